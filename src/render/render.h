@@ -39,6 +39,7 @@ struct render_params {
 	const struct scene_light *light; /* the planet and the sun; NULL: the default of a scene */
 	/* for the effect splat: its soils are the classes in the slots. Must stay valid longer than the render; NULL: none */
 	const struct scene *soils;
+	bool one_soil;        /* with the effect texture all ground looks like the first of `soils`, whatever class it has */
 	double pixel_error;   /* pixels by which drawn ground may be wrong; 0: distance alone decides the detail (camera.c) */
 	int samples;          /* samples for each pixel; 0 and 1: only the colour at the pixel's centre */
 	/* objects that may be drawn, with EFFECT_OBJECTS; must stay valid longer than the render */

@@ -23,6 +23,7 @@ struct shot {
 	double low, high;       /* as the whole terrain is said to be */
 	double eye[3], target[3];
 	const struct scene *soils;
+	bool one_soil;
 	uint8_t (*soil)(int x, int y);
 	int32_t (*offset)(int x, int y);
 	uint8_t (*dirt)(int x, int y);
@@ -61,7 +62,7 @@ static void take(const struct shot *shot)
 	gpu_staging_destroy(staging);
 	assert_ok(render_create(&(struct render_params){
 		.gpu = gpu, .slots = slots, .extent = &extent, .low = shot->low, .high = shot->high, .width = WIDTH, .height = HEIGHT,
-		.effects = shot->effects, .disturbance = shot->dirt != NULL, .light = &shot->light, .soils = shot->soils,
+		.effects = shot->effects, .disturbance = shot->dirt != NULL, .light = &shot->light, .soils = shot->soils, .one_soil = shot->one_soil,
 	}, &render));
 	selection.draw_count = 1;
 	selection.draws[0] = (struct render_draw){.quadrants = 15, .finest = true, .low = shot->low, .high = shot->high};
@@ -279,6 +280,45 @@ static void each_class_is_shown_where_it_is(void **state)
 	assert_true(fabs(brightness(64, 29, 96, 61) - brightness(0, 0, 50, HEIGHT)) < 20);
 }
 
+static double tall(double x, double y)
+{
+	return 100 + 95 * sin(x / 23) * cos(y / 31); /* steep, and from the lowest to the highest of the terrain */
+}
+
+/* Without a map the one soil of a scene has its look, whatever classes are there, on steep and high ground too. */
+static void one_soil_looks_like_its_name(void **state)
+{
+	need_gpu();
+	static const char *const names[] = {"dry_sand", "lunar", "snow_us", "clayey_38", "asphalt", "concrete", "sandy_loam_15"};
+	enum { SAND, LUNAR, SNOW, CLAY, ASPHALT, CONCRETE, LOAM, NAMES };
+	double is[NAMES][3], light[NAMES];
+	for (int hilly = 0; hilly < 2; hilly++) {
+		for (int i = 0; i < NAMES; i++) {
+			struct scene soils = {.soil_count = 1};
+			strcpy(soils.soil_names[0], names[i]);
+			struct shot shot = {.effects = TEXTURE | DETAIL, .light = light_of(SCENE_EARTH), .height = hilly ? tall : flat, .soils = &soils,
+					    .one_soil = true, .soil = a_square, DOWN};
+			take(&shot);
+			mean_of(5, 5, WIDTH - 5, HEIGHT - 5, is[i]);
+			light[i] = brightness(5, 5, WIDTH - 5, HEIGHT - 5);
+			if (!hilly) /* the class 1 in its middle is not seen */
+				assert_true(fabs(brightness(64, 29, 96, 61) - light[i]) < 12);
+		}
+		/* Sand is yellowish, loam and clay are brown, the rest is grey or white. */
+		assert_true(is[SAND][0] > is[SAND][2] + 12 && is[SAND][1] > is[SAND][2] + 8);
+		assert_true(is[LOAM][0] > is[LOAM][2] + 20 && is[CLAY][0] > is[CLAY][1] + 20 && is[CLAY][1] > is[CLAY][2] + 10);
+		for (int i = LUNAR; i < NAMES; i++)
+			if (i == LUNAR || i == SNOW || i == ASPHALT || i == CONCRETE)
+				assert_true(fmax(fmax(is[i][0], is[i][1]), is[i][2]) < fmin(fmin(is[i][0], is[i][1]), is[i][2]) + 22);
+		assert_true(light[SNOW] > light[SAND] && light[SAND] > light[LUNAR] + 15 && light[CONCRETE] > light[LUNAR] + 15);
+		assert_true(light[ASPHALT] < light[LUNAR] - 15 && light[ASPHALT] < light[CLAY]);
+	}
+	/* On the Moon its regolith is grey, and not black. */
+	struct scene soils = {.soil_count = 1, .soil_names = {"lunar"}};
+	take(&(struct shot){.effects = TEXTURE, .light = light_of(SCENE_MOON), .height = flat, .soils = &soils, .one_soil = true, DOWN});
+	assert_true(brightness(5, 5, WIDTH - 5, HEIGHT - 5) > 60);
+}
+
 static int32_t a_print(int x, int y)
 {
 	return x >= 24 && x < 40 ? -(1 << 17) : 0; /* an eighth of a metre */
@@ -310,6 +350,7 @@ TEST_PROGRAM(surface)
 		cmocka_unit_test(the_sun_turns_the_shading),
 		cmocka_unit_test(snow_lies_only_high),
 		cmocka_unit_test(each_class_is_shown_where_it_is),
+		cmocka_unit_test(one_soil_looks_like_its_name),
 		cmocka_unit_test(pressed_ground_is_darker_and_darkest_where_it_is_dirty),
 	};
 	return cmocka_run_group_tests(tests, open_gpu, close_gpu);
