@@ -4,6 +4,9 @@
 #include "lib/picture.glsl"
 #include "lib/body.glsl"
 #include "lib/slope.glsl"
+#ifdef OFFSET
+#include "lib/worn.glsl"
+#endif
 #ifdef TRUTH
 #include "lib/truth.glsl"
 #endif
@@ -110,7 +113,7 @@ void main()
 
 #ifdef OFFSET
 	// Raised soil is fresh and rough. Lowered soil is dark, and smooth if it is soft (surface.loose).
-	albedo *= (1.0 - 0.15 * risen) * (1.0 - 0.45 * sunken);
+	albedo *= (1.0 - 0.15 * risen) * (1.0 - rut_dark * sunken);
 #if defined TEXTURE && defined DETAIL
 	surface.tilt *= 1.0 + 0.6 * risen - 0.55 * surface.loose * sunken;
 #endif
@@ -118,7 +121,7 @@ void main()
 	ivec2 at = clamp(ivec2(floor(post)), ivec2(0), ivec2(tile.x - 1));
 	vec2 part = post - vec2(at);
 	float wet = BETWEEN(SHADES, at, part);
-	albedo *= 1.0 - 0.4 * wet;
+	albedo = worn(albedo, wet);
 #endif
 #endif
 #ifdef VEGETATION

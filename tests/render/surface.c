@@ -329,6 +329,48 @@ static uint8_t north_half(int x, int y)
 	return y > 32 ? 255 : 0;
 }
 
+/* Light of a part of the picture, of one colour, before the film's curve (shaders/lib/tone.glsl) and sRGB. */
+static double light_of_part(int x0, int y0, int x1, int y1, int c)
+{
+	double sum = 0;
+	for (int y = y0; y < y1; y++)
+		for (int x = x0; x < x1; x++) {
+			const double s = pixels[y][x][c] / 255.0, film = s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4);
+			const double a = 2.51 - 2.43 * film, b = 0.03 - 0.59 * film;
+			sum += (-b + sqrt(b * b + 4 * a * 0.14 * film)) / (2 * a);
+		}
+	return sum / ((x1 - x0) * (y1 - y0));
+}
+
+static int32_t no_print(int x, int y)
+{
+	return 0;
+}
+
+/* Wet soil on the Earth, disturbed soil on the Moon: ratios of the light that are published (docs/CAMERAS.md). The sun is low, so nothing shines. */
+static void disturbed_ground_has_published_albedo(void **state)
+{
+	need_gpu();
+	static const double albedo[3] = {(0.130 + 0.270) / 2, (0.105 + 0.240) / 2, (0.075 + 0.200) / 2}; /* low_colour and high_colour of lib/body.glsl */
+	struct shot shot = {.light = light_of(SCENE_EARTH), .height = flat, .offset = no_print, .dirt = north_half, DOWN};
+	shot.light.height = 15 * M_PI / 180;
+	take(&shot);
+	for (int c = 0; c < 3; c++) {
+		/* What comes through the film, is scattered, and goes out, at once or after it was reflected back. */
+		const double in = 1 - pow(0.33 / 2.33, 2), back = 0.472;
+		double out = 0, turns = albedo[c];
+		for (int i = 0; i < 40; i++, turns *= albedo[c] * back)
+			out += in * turns * (1 - back);
+		const double ratio = light_of_part(20, 50, 140, 85, c) / light_of_part(20, 5, 140, 40, c);
+		assert_true(fabs(ratio / (out / albedo[c]) - 1) < 0.02);
+	}
+	shot.light = light_of(SCENE_MOON);
+	shot.offset = a_print;
+	take(&shot);
+	const double beside = light_of_part(5, 5, 45, 40, 1), print = light_of_part(68, 5, 92, 40, 1) / beside, worst = light_of_part(68, 50, 92, 85, 1) / beside;
+	assert_true(fabs(print - 0.85) < 0.01 && fabs(worst - 0.70) < 0.01);
+}
+
 static void pressed_ground_is_darker_and_darkest_where_it_is_dirty(void **state)
 {
 	need_gpu();
@@ -337,7 +379,7 @@ static void pressed_ground_is_darker_and_darkest_where_it_is_dirty(void **state)
 		take(&(struct shot){.effects = effects[i], .light = light_of(i == 2 ? SCENE_MOON : SCENE_EARTH), .height = flat, .offset = a_print,
 				    .dirt = north_half, DOWN});
 		double clean = brightness(68, 5, 92, 40), dirty = brightness(68, 50, 92, 85), beside = brightness(5, 5, 45, 40);
-		assert_true(clean < 0.9 * beside && dirty < 0.9 * clean);
+		assert_true(clean < 0.95 * beside && dirty < 0.95 * clean);
 	}
 }
 
@@ -351,6 +393,7 @@ TEST_PROGRAM(surface)
 		cmocka_unit_test(snow_lies_only_high),
 		cmocka_unit_test(each_class_is_shown_where_it_is),
 		cmocka_unit_test(one_soil_looks_like_its_name),
+		cmocka_unit_test(disturbed_ground_has_published_albedo),
 		cmocka_unit_test(pressed_ground_is_darker_and_darkest_where_it_is_dirty),
 	};
 	return cmocka_run_group_tests(tests, open_gpu, close_gpu);
