@@ -4,6 +4,9 @@
 #include "lib/picture.glsl"
 #include "lib/body.glsl"
 #include "lib/slope.glsl"
+#ifdef OFFSET
+#include "lib/worn.glsl"
+#endif
 #ifdef TRUTH
 #include "lib/truth.glsl"
 #endif
@@ -141,12 +144,12 @@ void main()
 
 #ifdef OFFSET
 	// Raised soil is fresh and rough. Lowered soil is dark, and smooth if it is soft (surface.loose).
-	albedo *= (1.0 - 0.15 * risen) * (1.0 - 0.45 * sunken);
+	albedo *= (1.0 - 0.15 * risen) * (1.0 - rut_dark * sunken);
 #if defined TEXTURE && defined DETAIL
 	surface.tilt *= 1.0 + 0.6 * risen - 0.55 * surface.loose * sunken;
 #endif
 #ifdef DISTURBANCE
-	albedo *= 1.0 - 0.4 * wet;
+	albedo = worn(albedo, wet);
 #endif
 #endif
 #ifdef VEGETATION

@@ -1,6 +1,6 @@
 // The material of the ground and its look. One number gives the material: sand 0, grass 1, soil 2, rock 3, snow 4. A place has at most
 // two materials. With SPLAT the classes of the soil map give the material, except where rock shows. With HEAP it is that
-// of heap_class.
+// of heap_class. With ONE_SOIL all ground is of the first class, steep and high ground too.
 //
 // There are two textures. The near one repeats every few metres. A second material of a place shows in its hollows. The far one repeats
 // every hundred metres and more, and makes the borders between materials uneven. Both are filtered: details smaller than a pixel
@@ -9,6 +9,10 @@
 #include "lib/ground_map.glsl"
 #include "lib/pixel.glsl"
 #include "lib/tone.glsl"
+#if defined ONE_SOIL && !defined HEAP
+#define HEAP
+const int heap_class = 0;
+#endif
 #if defined SPLAT && !defined HEAP
 layout(binding = 5) uniform usampler2D class_map;
 #endif
@@ -114,7 +118,11 @@ ground_surface ground_at(vec2 post, vec4 squares, float log_pixel, float region,
 #endif
 	float noise = 2.0 * wide.g - 1.0, large = region + 0.5 * noise, slope = steep + 0.35 * noise;
 	rise += 0.14 * region + 0.10 * noise;
+#ifdef ONE_SOIL
+	const float stony = 0.0;
+#else
 	float stony = min(ground_ramp(0.58, 0.82, slope) + ground_ramp(0.62, 0.76, rise), 1.0);
+#endif
 #ifdef SPLAT
 	int one, other;
 	float part;

@@ -23,6 +23,8 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body)
 	for (size_t i = 0; i < sizeof used / sizeof *used; i++)
 		if (effects >> used[i] & 1)
 			request.defines[count++] = scene_effect_row(used[i])->define;
+	if (effects & RENDER_ONE_SOIL)
+		request.defines[count++] = RENDER_ONE_SOIL_DEFINE;
 	request.defines[count] = body;
 	return request;
 }

@@ -14,17 +14,21 @@ static const struct celestial_body {
 	double air;         /* haze beside the Earth's */
 	double reddens;     /* the sun through how much of the Earth's air */
 	float background[4];
+	float snow[3];      /* snow_colours of lib/body.glsl */
 } bodies[] = {
 	[SCENE_EARTH] = {NULL, {RENDER_SAND, RENDER_GRASS, RENDER_SOIL, RENDER_ROCK, RENDER_SNOW, RENDER_WIDE},
-			 {2.6, 2.34, 1.95}, 1, 1, {0.56f, 0.67f, 0.80f, 1}},
+			 {2.6, 2.34, 1.95}, 1, 1, {0.56f, 0.67f, 0.80f, 1}, {0.72f, 0.76f, 0.82f}},
 	[SCENE_MARS] = {"MARS", {RENDER_SAND, RENDER_SAND, RENDER_SOIL, RENDER_ROCK, RENDER_SNOW, RENDER_WIDE},
-			{2.3, 2.0, 1.66}, 1.3, 0.1, {0.66f, 0.47f, 0.28f, 1}},
+			{2.3, 2.0, 1.66}, 1.3, 0.1, {0.66f, 0.47f, 0.28f, 1}, {0.70f, 0.64f, 0.60f}},
 	[SCENE_MOON] = {"MOON", {RENDER_SNOW, RENDER_SNOW, RENDER_SOIL, RENDER_SOIL, RENDER_SNOW, RENDER_WIDE},
-			{3.6, 3.5, 3.34}, 0, 0, {0, 0, 0, 1}},
+			{3.6, 3.5, 3.34}, 0, 0, {0, 0, 0, 1}, {0.160f, 0.156f, 0.150f}},
 };
 
-/* Soils by the beginning of their names: the layer that each looks like, and its tint on the Earth. Others look like plain soil. */
-enum { LIKE_SAND, LIKE_SOIL = 2, LIKE_ROCK, LIKE_SNOW };
+/*
+ * Soils by the beginning of their names: the layer that each looks like, and its tint on the Earth. Others look like plain soil. What is
+ * smooth has the grain of snow, and an albedo in place of the tint.
+ */
+enum { LIKE_SAND, LIKE_SOIL = 2, LIKE_ROCK, LIKE_SNOW, SMOOTH };
 static const struct soil {
 	const char *begins;
 	int like;
@@ -40,23 +44,27 @@ static const struct soil {
 	{"lean_clay", LIKE_SOIL, {1.45f, 1.20f, 1.00f}},
 	{"upland_loam", LIKE_SOIL, {0.62f, 0.62f, 0.62f}},
 	{"snow", LIKE_SNOW, {1, 1, 1}},
-	{"ice", LIKE_SNOW, {0.80f, 0.90f, 1.00f}},
+	{"ice", SMOOTH, {0.42f, 0.50f, 0.57f}},
 	{"rock", LIKE_ROCK, {1, 1, 1}},
-	{"asphalt", LIKE_ROCK, {0.35f, 0.36f, 0.38f}},
-	{"concrete", LIKE_ROCK, {1.25f, 1.25f, 1.22f}},
-	{"lunar", LIKE_SOIL, {0.90f, 1.24f, 1.90f}},
+	{"asphalt", SMOOTH, {0.052f, 0.052f, 0.053f}},
+	{"concrete", SMOOTH, {0.31f, 0.30f, 0.28f}},
+	{"lunar", SMOOTH, {0.124f, 0.120f, 0.114f}},
 	{"", LIKE_SOIL, {1, 1, 1}},
 };
 
 /* Off the Earth a soil has the hue of that planet. */
-static void fill_soil(const char *name, bool earth, float out[4])
+static void fill_soil(const char *name, enum scene_body on, float out[4])
 {
+	const bool earth = on == SCENE_EARTH;
+	const float *snow = bodies[on].snow;
 	const struct soil *soil = soils;
 	while (strncmp(name, soil->begins, strlen(soil->begins)) != 0)
 		soil++;
-	for (int i = 0; i < 3; i++)
+	for (int i = 0; i < 3; i++) {
 		out[i] = earth ? soil->tint[i] : (soil->tint[0] + soil->tint[1] + soil->tint[2]) / 3;
-	out[3] = (float)soil->like;
+		out[i] /= soil->like == SMOOTH ? (earth ? snow[i] : snow[1]) : 1;
+	}
+	out[3] = (float)(soil->like == SMOOTH ? LIKE_SNOW : soil->like);
 }
 
 /* Returns how much air the sun shines through; 1: the air straight above (Kasten and Young 1989). Below the horizon: as upon it. */
@@ -126,8 +134,9 @@ void render_body_fill(const struct scene_light *light, const struct scene *scene
 		params->sunlight[i] *= (float)shown;
 	for (int i = 0; i < 3 && light->height < 0; i++)
 		params->tint[i] *= params->sunlight[3] / 0.2f;
-	for (int i = 0; scene != NULL && i < scene->soil_count; i++)
-		fill_soil(scene->soil_names[i], light->body == SCENE_EARTH, params->soils[i]);
+	/* A soil that no model reads is not counted, and may be drawn: scene_draws_one_soil. */
+	for (int i = 0; scene != NULL && (i == 0 || i < scene->soil_count); i++)
+		fill_soil(scene->soil_names[i], light->body, params->soils[i]);
 }
 
 double render_body_air(const struct scene_light *light)

@@ -55,6 +55,8 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 			request.defines[count++] = scene_effect_row(used[i])->define;
 	if (effects >> EFFECT_LIGHT & 1)
 		request.defines[count++] = render_light_define(effects);
+	if (effects & RENDER_ONE_SOIL)
+		request.defines[count++] = RENDER_ONE_SOIL_DEFINE;
 	request.defines[count] = body;
 	if (truth)
 		render_request_truth(&request);

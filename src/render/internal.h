@@ -167,6 +167,9 @@ void render_shade_plan(const struct render_params *params, struct plan *plan);
 /* Fills the kind of texture of each layer. */
 void render_body_textures(const struct scene_light *light, enum render_ground kinds[RENDER_GROUND_LAYERS]);
 /* Returns the define that shaders need for this planet; NULL: none. */
+/* Among effects (render_effects): all ground looks like the first soil. No effect of a scene has this bit. */
+#define RENDER_ONE_SOIL (UINT64_C(1) << 63)
+#define RENDER_ONE_SOIL_DEFINE "ONE_SOIL"
 const char *render_body_define(const struct scene_light *light);
 /* Fills sunlight, tint, and the look of soil classes. `soils` may be NULL. */
 void render_body_fill(const struct scene_light *light, const struct scene *soils, struct picture_params *params);

@@ -17,7 +17,8 @@ uint64_t render_effects(const struct render_params *params)
 {
 	bool classes = params->soils != NULL && (params->effects >> EFFECT_TEXTURE & 1);
 	bool casts = render_objects_are_cast(params);
-	return params->effects & ~((classes ? 0 : EFFECT_BIT(EFFECT_SPLAT)) | (casts ? 0 : EFFECT_BIT(EFFECT_SHADOW)));
+	uint64_t one = classes && params->one_soil ? EFFECT_BIT(EFFECT_SPLAT) | RENDER_ONE_SOIL : 0;
+	return one | (params->effects & ~((classes ? 0 : EFFECT_BIT(EFFECT_SPLAT)) | (casts ? 0 : EFFECT_BIT(EFFECT_SHADOW))));
 }
 
 static bool is_interpolated(unsigned variant)
@@ -39,6 +40,8 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 		if ((effects >> effect & 1) && define[0] != '\0')
 			request.defines[count++] = define;
 	}
+	if (effects & RENDER_ONE_SOIL)
+		request.defines[count++] = RENDER_ONE_SOIL_DEFINE;
 	if (asks_reaches(effects, by_error))
 		request.defines[count++] = scene_effect_row(EFFECT_PIXEL_ERROR)->define;
 	const bool offset = variant == RENDER_OFFSET || variant == RENDER_LEVEL0;

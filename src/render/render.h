@@ -44,6 +44,7 @@ struct render_params {
 	struct render_imagery *imagery; /* with EFFECT_IMAGERY; must stay valid longer than the render. Plans do not need it */
 	double imagery_budget; /* MB; for plans alone, as the next one */
 	uint32_t loaders;     /* threads that read imagery */
+	bool one_soil;        /* with the effect texture all ground looks like the first of `soils`, whatever class it has */
 	double pixel_error;   /* pixels by which drawn ground may be wrong; 0: distance alone decides the detail (camera.c) */
 	int samples;          /* samples for each pixel; 0 and 1: only the colour at the pixel's centre */
 	/* objects that may be drawn, with EFFECT_OBJECTS; must stay valid longer than the render */

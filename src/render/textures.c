@@ -262,8 +262,8 @@ static void make_sand(struct ground *ground)
 static void make_snow(struct ground *ground)
 {
 	add_clouds(ground->height, 8, 64, 2.2f, 0.5f, 51);
-	add_noise(ground->height, 8, 32, 1.3f, 52);
-	add_noise(ground->height, 16, 64, 0.7f, 53);
+	add_noise(ground->height, 16, 32, 1.0f, 52); /* a little longer along the wind; more looked like streaks */
+	add_noise(ground->height, 32, 64, 0.5f, 53);
 	for (size_t i = 0; i < TEXELS; i++) {
 		float grain = unit((uint32_t)i, 2, 54);
 		ground->tone[i] = 1 + 0.02f * ground->height[i] + 0.06f * (grain - 0.5f) + (grain > 0.997f ? 0.25f : 0);

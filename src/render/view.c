@@ -261,7 +261,8 @@ void render_view_params(const struct world *world, struct render_params *params)
 		.light = &world_facts(world)->light,
 		.measures = scene_measures(scene),
 		.classes = scene_draws_classes(scene),
-		.soils = scene_draws_classes(scene) ? scene : NULL,
+		.soils = scene_draws_classes(scene) || scene_draws_one_soil(scene) ? scene : NULL,
+		.one_soil = scene_draws_one_soil(scene),
 	};
 	const bool own = scene->view.images > 0 || scene->hosted || scene->camera_count == 0;
 	bool truths[2] = {own && !scene_camera_truth(scene, NULL), own && scene_camera_truth(scene, NULL)};

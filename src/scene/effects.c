@@ -331,6 +331,15 @@ bool scene_draws_classes(const struct scene *scene)
 	return scene->view.present && shown && scene_has_classes(scene);
 }
 
+bool scene_draws_one_soil(const struct scene *scene)
+{
+	const bool split = (scene->view.effects >> EFFECT_SPLAT & 1) && scene_has_classes(scene);
+	struct soil_numbers numbers;
+	if (!scene->view.present || !(scene->view.effects >> EFFECT_TEXTURE & 1) || scene->soil_map != NULL || split)
+		return false;
+	return soil_named(scene->soil_names[0], &numbers) == STATUS_OK;
+}
+
 bool scene_covers_by_class(const struct scene *scene)
 {
 	bool differs = false;

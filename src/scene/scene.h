@@ -617,6 +617,8 @@ bool scene_camera_truth(const struct scene *scene, const struct scene_camera *ca
 /* Returns true if pictures show which soil is where, by the map of soils. Then the soil class of each post must be loaded for
  * all drawn tiles. */
 bool scene_draws_classes(const struct scene *scene);
+/* Returns true if pictures show the ground as its one soil looks: the soil has a name, and there is no map. */
+bool scene_draws_one_soil(const struct scene *scene);
 bool scene_covers_by_class(const struct scene *scene); /* returns true if pictures show vegetation that differs between classes of soil */
 /* Writes into `text` which setting turns on an effect that the scene uses: "redistribute.model: box",
  * "objects.front_left.load". */

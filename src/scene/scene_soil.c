@@ -101,6 +101,17 @@ static bool draws_soil(const struct raw_scene *raw)
 	return false;
 }
 
+/* Without a view, cameras have textures. */
+static bool draws_texture(const struct raw_scene *raw)
+{
+	if (raw->view == NULL)
+		return raw->cameras_count > 0;
+	for (uint32_t i = 0; i < raw->view->effects_count; i++)
+		if (strcmp(raw->view->effects[i], scene_effect_row(EFFECT_TEXTURE)->name) == 0)
+			return true;
+	return false;
+}
+
 static bool raises_by_class(const struct raw_scene *raw)
 {
 	return raw->relief != NULL && raw->relief->classes_count > 0;
@@ -569,6 +580,8 @@ static enum status check_soils(const struct scene_tree *tree, const struct raw_s
 	if (drawn)
 		return STATUS_OK;
 	forget_soils(scene);
+	if (!mapped && elsewhere->name != NULL && draws_texture(raw))
+		return STATUS_OK; /* pictures show it: scene_draws_one_soil */
 	return scene_tell_unused(scene, "soil: model %s does not depend on it; take it away, or name a model that moves soil",
 				 deform_model_row(scene->model)->name);
 }

@@ -120,7 +120,7 @@ ROWS = {
     "outside": (pathed("points: [[1, 20], [-5, 20]], speed: 20"), {"outside": "skip"}),
     "objects": (PLAIN, {"objects": f"[{WHEEL % 'sink: 0.1'}]"}),
     "vehicles": ({**CAR, "objects": PLAIN["objects"], "vehicles": "[]", "output": "{forces: 50}"}, {"vehicles": CAR["vehicles"]}),
-    "world": (CAR, {"world": "wall.xml"}),
+    "world": ({**CAR, "store": "flat.furrow"}, {"world": "wall.xml"}),  # on the hills it rolls back
     "stuck.after": ({**WAY, "end_time": "1", "stuck": "{after: 0.3, below: 100}"}, {"stuck.after": "0.6"}),
     "stuck.below": ({**WAY, "end_time": "1", "stuck": "{after: 0.3, below: 100}"}, {"stuck.below": "0.001"}),
     "stop": ({**WAY, "end_time": "1", "stuck": "{after: 0.3, below: 100}"}, {"stop": "[buried]"}),

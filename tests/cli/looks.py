@@ -65,6 +65,26 @@ class Looks(FurrowTest):
         (self.folder / "o.furrow").unlink(missing_ok=True)
         return self.drive(self.scene(text), "--store", "world.furrow", "--overlay", "o.furrow", **options)
 
+    def test_a_named_soil_looks_like_it_without_a_map(self):
+        eye = "pose: {at: [32, 32, 30], target: [32, 33, 0]}"
+        colour = {}
+        for soil, model in (("lunar", "scm"), ("dry_sand", "scm"), ("dry_sand", "box"), ("mud", "sumner"), (None, "box")):
+            named = f"soil: {{name: {soil}}}\n" if soil else ""
+            scene = (f"scene: 1\ntime_step: 0.1\nend_time: 0.1\n{named}redistribute: {{model: {model}}}\n"
+                        "objects: [{name: a, shape: {sphere: {radius: 0.2}}, path: {points: [[2, 2], [3, 2]], speed: 1}}]\n"
+                        f"cameras: [{{name: a, kind: fixed, rate: 1, size: [64, 48], {eye}}}]\n")
+            self.driven(scene)
+            told = self.furrow("explain", self.scene(scene), "--store", "world.furrow").stderr
+            self.assertNotIn("does not depend", told)  # a picture shows it, so it is not in vain
+            colour[soil, model] = self.picture("a", "colour").reshape(-1, 3).mean(axis=0)
+        red, green, blue = colour["dry_sand", "scm"]
+        self.assertGreater(red, blue + 10)
+        self.assertLess(np.ptp(colour["lunar", "scm"]), 22)
+        self.assertLess(colour["lunar", "scm"].mean(), green - 20)
+        self.assertLess(colour["mud", "sumner"].mean(), green - 40)
+        self.assertEqual(colour["dry_sand", "box"].tolist(), colour["dry_sand", "scm"].tolist())
+        self.assertGreater(abs(colour[None, "box"] - colour["mud", "sumner"]).max(), 20)
+
     def test_a_balls_silhouette_is_that_of_a_ball(self):
         ball, radius = np.array([20.0, 22.0]), 0.8
         ground = json.loads(self.ok("query", "world.furrow", *ball, "--json"))["height"]
