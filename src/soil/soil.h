@@ -73,7 +73,7 @@ double soil_shape_rolling(const struct soil_shape *shape);
 /* Returns how far the surface of a body ran over it, metres. `turned`: of a wheel radians about its axis, of a belt the metres that
  * it ran. 0: the body has no such surface. */
 double soil_shape_ran(const struct soil_shape *shape, double turned);
-#define SOIL_LAW 7 /* grows whenever bearing soil gives other bits: a drive that began with another number is not resumed */
+#define SOIL_LAW 6 /* grows whenever bearing soil gives other bits: a drive that began with another number is not resumed */
 #define SOIL_SHAPE_POSTS 672 /* the widest body, in posts */
 /* Checks that a shape can be simulated with posts `spacing` metres apart. STATUS_INPUT: it cannot; the message tells the limit. */
 enum status soil_shape_check(const struct soil_shape *shape, double spacing) FURROW_CHECKED;

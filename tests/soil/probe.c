@@ -360,83 +360,6 @@ static void what_moves_slowly_sticks_and_settles(void **state)
 	bed_finish(&bed);
 }
 
-/*
- * A rim whose contact is shorter than a cell, in soil that bears in proportion to the sinkage: k w times the area of the circle's segment below the ground, wherever
- * the rim stands between the posts. So its force has no jump as it sinks, either.
- */
-static void a_contact_within_a_cell_bears_wherever_it_is(void **state)
-{
-	(void)state;
-	static const double k = 2e7, radius = 0.3, width = 0.25;
-	struct soil_numbers soil = bed_soil("dry_sand");
-	soil.bekker_kc = 0;
-	soil.bekker_kphi = k;
-	soil.bekker_n = 1;
-	soil.elastic_stiffness = 2 * k;
-	const struct soil_shape shape = {.kind = SOIL_WHEEL, .radius = radius, .width = width};
-	struct bed bed;
-	double worst = 0;
-	bed_init(&bed, &soil, 0.125, 64, 0, 0);
-	for (int place = 0; place < 16; place++)
-		for (int i = 1; i <= 12; i++) {
-			const double deep = 2.5e-4 * i, x = (32 + (place + 0.37) / 16) * 0.125;
-			const struct bed_state at = bed_state(x, 32 * 0.125, bed.height + radius - deep, 0, 0, 0);
-			struct soil_motion motion = bed_motion(&shape, &at, &at, NULL);
-			const double force = bed_probe(&bed, &motion).force[2], half = acos(1 - deep / radius);
-			const double exact = k * width * radius * radius * (half - sin(half) * cos(half));
-			worst = support_most(worst, fabs(force / exact - 1));
-		}
-	print_message("off by at most %.3g of the segment's force\n", worst);
-	assert_true(worst < 0.05); /* a parabola through the cell's ends and middle in place of the circle: 3 % at this spacing */
-	bed_finish(&bed);
-}
-
-/*
- * A wheel rolls from a stand until it has a rut behind it, with a contact of about a third of the spacing. As it goes on, or sinks, in steps of micrometres, its force changes by
- * steps as small: what bears in a cell begins and ends evenly, also where the rut behind it begins, where a post is left, and where both ends lie beside the middle.
- */
-static void no_force_jumps_as_a_wheel_goes_on(void **state)
-{
-	(void)state;
-	static const struct {
-		const char *soil;
-		double sinkage, slope, slip;
-		int rows; /* of 12.8 mm, that it has rolled */
-	} rows[] = {{"sandy_loam_15", 0.003, 0.1, 0.05, 25}, {"sandy_loam_15", 0.003, 0, 0.3, 38}, {"sandy_loam_15", 0.008, 0, 0.05, 40}, {"dry_sand", 0.003, 0, 0.3, 7}, {"dry_sand", 0.02, 0.1, 0.05, 7}};
-	const struct kind wheel = {"wheel", {.kind = SOIL_WHEEL, .radius = 0.32, .width = 0.24}, 0, 0, true};
-	for (size_t i = 0; i < COUNT(rows); i++) {
-		struct bed bed;
-		const struct soil_numbers soil = bed_soil(rows[i].soil);
-		bed_init(&bed, &soil, 0.125, 96, rows[i].slope, 0);
-		struct drive d = {&bed, &wheel, .radius = 0.32, .slip = rows[i].slip};
-		d.now = bed_state(2.5173, 6.0071, 0, 0, 0, 0);
-		d.now.at[2] = bed_ground(&bed, d.now.at[0], d.now.at[1]) + d.radius * sqrt(1 + rows[i].slope * rows[i].slope) + 2e-4;
-		for (int k = 0; k < 8; k++)
-			drive_on(&d, 0, (rows[i].sinkage + 2e-4) / 8, true);
-		for (int k = 0; k < rows[i].rows; k++)
-			drive_on(&d, 0.0128, 0, true);
-		const struct bed_state from = d.now;
-		double worst[2] = {0}, most = 0;
-		for (int sinks = 0; sinks < 2; sinks++) {
-			double last[3] = {NAN, NAN, NAN};
-			for (int k = 0; k < 8000; k++) {
-				d.now = from;
-				drive_on(&d, sinks ? 0.005 : 3e-6 * k, sinks ? 2e-7 * k : 0, false);
-				const struct soil_forces forces = bed_feel(&bed, &d.motion, 0);
-				for (int axis = 0; axis < 3; axis++) {
-					worst[sinks] = k > 0 ? support_most(worst[sinks], fabs(forces.force[axis] - last[axis])) : 0;
-					last[axis] = forces.force[axis];
-				}
-				most = support_most(most, forces.force[2]);
-			}
-		}
-		print_message("%s, %g mm deep, slope %g, slip %g: jumps by at most %.2f N as it goes on, %.2f N as it sinks, of %.0f N\n", rows[i].soil, 1e3 * rows[i].sinkage, rows[i].slope,
-			      rows[i].slip, worst[0], worst[1], most);
-		assert_true(worst[0] < 0.004 * most && worst[1] < 0.004 * most);
-		bed_finish(&bed);
-	}
-}
-
 TEST_PROGRAM(probe)
 {
 	const struct CMUnitTest tests[] = {
@@ -444,8 +367,6 @@ TEST_PROGRAM(probe)
 		cmocka_unit_test(feeling_with_a_load_is_the_contact),
 		cmocka_unit_test(a_probe_beside_the_planes_is_not_known),
 		cmocka_unit_test(stiffness_and_damping_are_how_the_force_changes),
-		cmocka_unit_test(a_contact_within_a_cell_bears_wherever_it_is),
-		cmocka_unit_test(no_force_jumps_as_a_wheel_goes_on),
 		cmocka_unit_test(a_ball_that_falls_stops_at_one_depth_for_every_host),
 		cmocka_unit_test(stiffness_follows_the_way_that_the_body_goes),
 		cmocka_unit_test(what_moves_slowly_sticks_and_settles),

@@ -138,9 +138,7 @@ SOIL_INLINED float passed_at(const struct soil_form *f, enum soil_form_kind kind
 		const float squares = ring_squares(f, kind, y), ahead = ring_ahead(f, kind, x, y), moves = f->run * f->run + f->plunge * f->plunge;
 		const float level = gains / f->lift - root(squares - ahead * ahead), nears = ahead * f->run + level * f->plunge;
 		const float beyond = ahead * ahead + level * level - squares, rooted = nears * nears - moves * beyond;
-		/* Where it passed by without reaching it: below 0, and less the farther off it passed. */
-		const float reached = sqrtf(either(rooted < 0, -rooted, rooted)), apart = either(nears > 0, -beyond, either(rooted < 0, -reached, reached) - nears);
-		const float by = either(nears > 0, nears + reached, moves);
+		const float apart = either(nears > 0, -beyond, root(rooted) - nears), by = either(nears > 0, nears + root(rooted), moves);
 		share = either(moves > 0, apart / most(by, 1e-30f), 1e3f);
 	} else if (kind == FORM_RASTER) {
 		/* A parabola through the heights above the post at the motion's start, halfway, and at its end. */
@@ -521,19 +519,15 @@ SOIL_INLINED void put_memory(const struct soil_form *f, enum soil_form_kind kind
 		l->bottom[i] = rim_bottom(f, p->rise_x[i]);
 		l->back[i] = either(p->over[i] > 0, f->run + least(f->run, f->half_across), 1e3f);
 		/* The body may have come another way: it turned back, or sank. At the post itself it was no lower than the post remembers. */
-		float ago;
-		const float lower = lowered_at(f, kind, p->x[i], p->y[i], l->back[i], p->rise_x[i], l->bottom[i], 0, &ago);
+		float since;
+		const float lower = lowered_at(f, kind, p->x[i], p->y[i], l->back[i], p->rise_x[i], l->bottom[i], 0, &since);
 		l->unknown[i] = either((p->over[i] > 0) & (f->outer <= f->radius), most(lower - most(p->lowered[i], l->was[i] * p->by_up[i] - l->depth[i]), 0), 0);
 		/* Of the places in a cell, those farther ahead came into contact later, so they slid less. But if the post stores less shear than the
-		 * motion since the first touch gives, the body was on it at rest, or left it. Then the places differ less. With a contact since a quarter of a
-		 * motion before it they differ by as much as that tells. With a later one they differ more, so that a post that is touched or left makes no
-		 * jump. So also where the body rises from a rut that it does not reach any more. */
+		 * motion since the first touch gives, the body was on it at rest, or left it. Then the places differ less. */
 		const float mobilised = sqrtf(p->shear_x[i] * p->shear_x[i] + p->shear_y[i] * p->shear_y[i]);
 		const float way = either(mobilised > 0.9999f, 1e3f, -0.69314718f * log2_of(most(1 - mobilised, 1e-4f)));
-		const float since = l->passed[i] - 1, known = clamped(way / most(l->slides[i] * since, 1e-9f), 0, 1), came = clamped(way / most(l->slides[i] * 0.25f, 1e-9f), 0, 1);
-		const float by_whole = 4 / most(whole, 1e-9f), left = clamped(least(stays, stays - l->depth[i]) * by_whole, 0, 1) * clamped(4 * (before - l->depth[i]) / most(stays - l->depth[i], 0.25f * whole + 1e-9f), 0, 1);
-		const float stayed = clamped(4 * since, 0, 1), back = left * clamped((stays + whole - l->depth[i] - p->lowered[i]) * by_whole, 0, 1);
-		l->lasts[i] = least(1 + either(p->over[i] > 0, stayed, 0) * (known - 1), 1 + either(p->over[i] > 0, back, 0) * (came - 1)) * f->moved;
+		const float known = clamped(way / most(l->slides[i] * (l->passed[i] - 1), 1e-9f), 0, 1);
+		l->lasts[i] = either((p->over[i] > 0) & ((l->passed[i] > 1) | ((l->depth[i] < stays) & (l->passed[i] > 0))), known, 1) * f->moved;
 	}
 }
 
@@ -564,19 +558,12 @@ SOIL_INLINED void put_stays(const struct soil_form *f, bool soft, const struct l
 	}
 }
 
-/* Returns the floor at a place of the line, from that at its end, at its middle and its own, m. leaves: 1: the place unloads. */
-SOIL_INLINED float floor_of(float end, float middle, float own, float leaves)
-{
-	const float deep = most(end - SOIL_LEAST, 0), is = clamped(4 * deep / most(middle, 1e-9f), 0, 1);
-	return deep + is * either(own > deep, 1, leaves) * (own - deep);
-}
-
 /* A line across the cell, in the direction in which the depth of the lower envelope changes most. The depth along it is taken as a parabola. An end of
  * what bears lies where the body leaves the surface; where it unloads, where it leaves the plastic part of the earlier sinkage. */
 SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, bool soft, const struct lane_posts *p, struct block *l)
 {
 	float depths[3][LANES], mosts[3][LANES], unloads[2][LANES], stays[3][LANES];
-	const bool known = any_above(l->was, 0), own = kind == FORM_RASTER;
+	const bool known = any_above(l->was, 0);
 	EACH_LANE {
 		const float x = p->rise_x[i] - p->slope_x[i], y = p->rise_y[i] - p->slope_y[i], squares = x * x + y * y;
 		const float half = kind == FORM_BOX ? p->half_line[i] : f->half_across, by = half / sqrtf(most(squares, 1e-8f));
@@ -618,15 +605,10 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 		else
 			memset(stays[k], 0, sizeof stays[k]);
 	EACH_LANE {
-		/* Inwards from an end of the line the rut counts as deep as it is there: what bears ends where the body leaves its floor. So as an end of the line begins to
-		 * unload, or to remember, no end of what bears jumps. Where the line unloads farther inwards, too, places have floors of their own. These count
-		 * whole where the rut at the line's end is a quarter as deep. So it is below a mesh, whose facets print the rut's. */
 		float from[3], to[3];
 		for (int k = 0; k < 3; k++) {
-			const float over = mosts[k][i] - most(depths[k][i], 0), springs = mosts[k][i] - stays[k][i], leaves = clamped(4 * over / most(springs, 1e-9f), 0, 1);
-			const float behind = floor_of(stays[0][i], stays[1][i], stays[k][i], leaves), ahead_of = floor_of(stays[2][i], stays[1][i], stays[k][i], leaves);
-			from[k] = depths[k][i] - (own ? stays[k][i] : behind) * unloads[0][i];
-			to[k] = depths[k][i] - (own ? stays[k][i] : ahead_of) * unloads[1][i];
+			from[k] = depths[k][i] - stays[k][i] * unloads[0][i];
+			to[k] = depths[k][i] - stays[k][i] * unloads[1][i];
 		}
 		l->first[i] = root_from(-1, from);
 		l->last[i] = most(l->first[i], root_from(1, to));

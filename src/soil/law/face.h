@@ -264,10 +264,8 @@ SOIL_INLINED float lowered_at(const struct soil_form *f, enum soil_form_kind kin
 	const float first = ahead + f->run, inside = clamped(ahead, -ring, ring), down = root(squares - ahead * ahead);
 	const float within = clamped(least(most(ring * f->sine, ahead), first), -ring, ring);
 	const float earlier = clamped(least(most(at_bottom, first), ahead + back), -ring, ring);
-	/* No part of a place that is still ahead of the whole circle was below it. A motion that hardly goes ahead rises steeply, so its way is not a difference of places. */
-	const float way = either(within >= first, f->run, clamped(within - ahead, 0, f->run)), way_before = either(earlier >= first, f->run, clamped(earlier - ahead, 0, f->run));
-	const float less = lower_by(f, squares, within, inside, down) + f->rise * way;
-	const float before = lower_by(f, squares, earlier, inside, down) + f->rise * way_before + most(earlier - first, 0) * rise - less_before;
+	const float less = lower_by(f, squares, within, inside, down) + f->rise * (within - ahead);
+	const float before = lower_by(f, squares, earlier, inside, down) + f->rise * (earlier - ahead) + most(earlier - first, 0) * (rise - f->rise) - less_before;
 	/* A body that does not go along its circles was lowest at the motion's start, or is so now. */
 	const bool runs = f->run > 0;
 	*since = either(runs, most(either(before > less, earlier, within) - ahead, 0) / most(f->run, 1e-12f), 1);

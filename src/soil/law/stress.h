@@ -168,16 +168,16 @@ SOIL_INLINED float sheared(float before, float direction, float stays)
 }
 
 /* Returns the place on a line, from -1 to 1, beyond which a parabola is above 0. It goes through three numbers at -1, 0 and 1. sign: the end
- * from which it is looked for. As the parabola changes evenly, so does the place. Two roots that meet stay at the parabola's top. One that leaves the
- * line stays at its end. Where the parabola is nowhere above 0, the place from 1 is not beyond that from -1. */
+ * from which it is looked for. */
 SOIL_INLINED float root_from(float sign, const float depths[3])
 {
 	const float bends = 0.5f * (depths[0] + depths[2]) - depths[1], rises = 0.5f * (depths[2] - depths[0]), over = depths[1];
-	const float rooted = root(rises * rises - 4 * bends * over), along = sign * rises;
-	/* Of the two forms of a root, the one whose sum does not cancel. */
-	const float far = (along + rooted) / most(-2 * bends, 1e-18f), near = 2 * over / most(rooted - along, 1e-18f);
-	const float at = either(along >= 0, either(bends < 0, far, -1), near);
-	return sign * either(depths[sign < 0 ? 0 : 2] > 0, 1, clamped(at, -1, 1));
+	const float squares = rises * rises - 4 * bends * over, by = root(squares) - sign * rises;
+	/* A parabola whose top misses 0 by rounding alone has one root, at its top. */
+	const bool touches = (bends < 0) & (squares <= 0);
+	const float top = -0.5f * rises / least(bends, -1e-18f), side = sign * 2 * over / most(by, 1e-15f), at = either(touches, top, side);
+	const bool never = (squares < either(touches, 4 * bends * SOIL_LEAST, 0)) | ((by <= 0) & !touches);
+	return either(depths[sign < 0 ? 0 : 2] > 0, sign, either(never, -sign, clamped(at, -1, 1)));
 }
 
 #endif
