@@ -70,7 +70,7 @@ static inline int32_t any_int(void)
 }
 
 /* `path` with `text` in front of the program's own shaders, so that it can include them. */
-#define TEST_SHADERS_MAX 96
+#define TEST_SHADERS_MAX 128
 static inline const struct shader_text *shaders_with(struct shader_text table[TEST_SHADERS_MAX], const char *path,
 						     const char *text)
 {
