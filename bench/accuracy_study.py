@@ -26,7 +26,7 @@ STUDIES = {
     "durability": ("Durability", "what a commit waits for"),
     "pairs": ("Two knobs at once", "both"),
     "pixel_error": ("Pixel error", "how many pixels a level may be off"),
-    "samples": ("Samples of a pixel", "`view.samples`. The truth has 4 pixels with 8 samples each in place of one"),
+    "samples": ("Samples of a pixel", "`view.samples`. The truth has 9 pixels with 4 samples each in place of one"),
     "imagery": ("Imagery", "how fine the pictures over the terrain are drawn"),
     "force": ("Force against time", "spacing, of bodies on dry sand under 600 N: a wheel at slip 0.2, one with bars at slip 0.3, a blade 10 cm deep"),
     "force_soft": ("Force against time, beside Project Chrono", "spacing, of a wheel of 0.5 m under 5 kN at slip 0.2 on Chrono's soft soil, with vertical normals"),
