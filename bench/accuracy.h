@@ -56,9 +56,10 @@ extern const struct post_rect accuracy_field;
 struct accuracy_truth {
 	double *surfaces[DEFORM_MODELS]; /* of the field */
 };
-/* From the file if that has it, else made, and written there if `path` is not NULL. only: a model whose truth alone is made, and not kept;
- * DEFORM_MODELS: of all. */
-void accuracy_truth_open(struct accuracy_truth *truth, const char *path, enum deform_model only);
+#define ACCURACY_EVERY (~0U)
+/* From the file if that has it, else made, and written there if `path` is not NULL. wanted: a bit for each model whose truth is made; unless it is
+ * ACCURACY_EVERY, they are not kept. */
+void accuracy_truth_open(struct accuracy_truth *truth, const char *path, unsigned wanted);
 void accuracy_truth_close(struct accuracy_truth *truth);
 
 /* A body over the field: its lower envelope at posts of a rectangle, m; INFINITY: it is not above the post. */

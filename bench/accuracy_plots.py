@@ -6,7 +6,7 @@ import math
 import shutil
 import subprocess
 
-from accuracy_study import best, exactness, front
+from accuracy_study import best, exactness, truth
 from pages import Told, figure
 
 WIDTH, HEIGHT = 960, 600                                  # pixels of the picture
@@ -64,8 +64,10 @@ class Axis:
 
 
 class Point:
-    def __init__(self, x, y, label, group, default, on):
-        self.x, self.y, self.label, self.group, self.default, self.on = x, y, label, group, default, on
+    """ends: the least and the most of its runs, or None. truth: what its error is against."""
+
+    def __init__(self, x, y, label, group, default, on, ends=None, truth=""):
+        self.x, self.y, self.label, self.group, self.default, self.on, self.ends, self.truth = x, y, label, group, default, on, ends, truth
 
 
 def quoted(text):
@@ -167,16 +169,33 @@ def block(name, rows):
     return [f"${name} << end", *(" ".join(map(repr, row)) for row in rows), "end"]
 
 
-def scatter(title, across, up, points, steps, begin):
-    """`steps`: the front, whose first step comes from `begin` on the axis `up`. Hollow points are on no front."""
+def stairs(points, across, up, begin):
+    """The corners of a front's steps, of points that are on it: from `begin` on the axis `up`."""
+    on = sorted((across.drawn(p.x), up.drawn(p.y)) for p in points if p.on)
+    if not on:
+        return []
+    return [(on[0][0], begin), *on, (across.high, on[-1][1])]
+
+
+def scatter(title, across, up, points, begin):
+    """A front for each truth, whose first step comes from `begin` on the axis `up`. Hollow points are on no front. Bars have all runs."""
     groups = list(dict.fromkeys(point.group for point in points))
     right = 0.8 if len(groups) > 1 else 0.97
     across.end = right
     lines = opening(title, across, up, right, "right" if len(groups) > 1 else "above")
-    steps = [(steps[0][0], begin), *steps, (across.high, steps[-1][1])]
-    lines += block("front", steps)
-    drawn = [f"$front with steps linewidth 2 linecolor rgb '#b0b0b0' title 'Pareto front{' of all' * (len(groups) > 1)}'"]
-    keep_off = [[corner for (ax, ay), (bx, by) in zip(steps, steps[1:]) for corner in ((ax, ay), (bx, ay), (bx, by))]]
+    drawn, keep_off = [], []
+    truths = list(dict.fromkeys(point.truth for point in points))
+    for i, of in enumerate(truths):
+        own = [point for point in points if point.truth == of]
+        steps = stairs(own, across, up, begin)
+        if not steps:
+            continue
+        colours_of = {groups.index(point.group) for point in own}
+        colour = COLOURS[colours_of.pop() % len(COLOURS)] if len(truths) > 1 and len(colours_of) == 1 else "#b0b0b0"
+        lines += block(f"front{i}", steps)
+        drawn.append(f"$front{i} with steps linewidth {2 if len(truths) == 1 else 1.2} dashtype {1 if len(truths) == 1 else 3} linecolor rgb '{colour}' " +
+                     ("title 'Pareto front'" if len(truths) == 1 else "notitle"))
+        keep_off.append([corner for (ax, ay), (bx, by) in zip(steps, steps[1:]) for corner in ((ax, ay), (bx, ay), (bx, by))])
     for i, group in enumerate(groups):
         own = [point for point in points if point.group == group]
         filled, hollow = SHAPES[i % len(SHAPES)]
@@ -185,6 +204,10 @@ def scatter(title, across, up, points, steps, begin):
             keep_off.append([(across.drawn(p.x), up.drawn(p.y)) for p in own])
             lines += block(f"all{i}", keep_off[-1])
             drawn.append(f"$all{i} with lines linewidth 0.8 {style} notitle")
+        ends = [(across.drawn(p.x), up.drawn(p.y), *p.ends) for p in own if p.ends]
+        if ends:
+            lines += block(f"ends{i}", ends)
+            drawn.append(f"$ends{i} using 1:2:3:4 with xerrorbars pointtype 0 linewidth 1.2 {style} notitle")
         for name, shape, on in ((f"on{i}", filled, True), (f"off{i}", hollow, False)):
             rows = [(across.drawn(p.x), up.drawn(p.y)) for p in own if p.on == on]
             if rows:
@@ -221,10 +244,16 @@ def bars(title, axis_title, found):
 # --- which plots ---
 
 def points_of(study, cost, exact):
-    """exact: of a line, the smaller the better."""
+    """cost: of a line, (least, median, most). exact: of a line, the smaller the better. What was measured elsewhere has no spread: it is hollow."""
     on = best(study, cost, exact)
-    return [Point(cost(line), exact(line), (study.whole_label if line["default"] else study.label)(line), study.group(line), line["default"], id(line) in on)
-            for line in study.lines if cost(line) is not None and exact(line) is not None]
+    found = []
+    for line in study.lines:
+        (least, x, most), y = cost(line), exact(line)
+        if x is not None and y is not None:
+            ends = (least, most) if least is not None and least < most else None
+            found.append(Point(x, y, (study.whole_label if line["default"] else study.label)(line), study.group(line), line["default"],
+                               id(line) in on, ends, truth(line)))
+    return found
 
 
 def spread(values):
@@ -237,11 +266,9 @@ def plot(study, cost, cost_title, exact, exact_title, log, turned=False):
     points = points_of(study, cost, exact)
     if len({(p.x, p.y) for p in points}) < 2:
         return None
-    steps = front([(p.x, p.y) for p in points])
     if turned:
         for point in points:
             point.y = -point.y
-        steps = [(x, -y) for x, y in steps]
     finite = [p.y for p in points if math.isfinite(p.y)]
     if not finite:
         return None
@@ -255,27 +282,30 @@ def plot(study, cost, cost_title, exact, exact_title, log, turned=False):
             up.ticks = [tick for tick in up.ticks if tick[1] < top * 0.97] + [("same", top)]
         for point in same:
             point.y = top
-        steps = [(x, y if math.isfinite(y) else top) for x, y in steps]
-    across = Axis(cost_title, [p.x for p in points], LEFT, 0.97, spread([p.x for p in points]))
-    return scatter(study.title, across, up, points, [(across.drawn(x), up.drawn(y)) for x, y in steps], up.low if turned else up.high)
+    costs = [x for p in points for x in (p.x, *(p.ends or ()))]
+    across = Axis(cost_title, costs, LEFT, 0.97, spread(costs))
+    return scatter(study.title, across, up, points, up.low if turned else up.high)
 
 
 def plots(study):
     """[(name, gnuplot's commands)]"""
     def room(line):
-        return line["bytes"] / 1e6 if line["bytes"] is not None else None
+        return (None if line["bytes"] is None else line["bytes"] / 1e6,) * 3
     if not study.tells_apart():
         known = [(study.whole_label(line), study.cost(line), line["default"]) for line in study.lines]
         return [(study.name, bars(study.title, study.cost_title(), known))]
     of = next((line["bytes_of"] for line in study.lines if line.get("bytes_of")), "")
     found = []
-    for name, cost, title in ((study.name, study.cost, study.cost_title()), (study.name + "-bytes", room, f"MB ({of})" if of else "MB")):
+    axes = [(study.name, study.range_of_cost, study.cost_title())]
+    if any(line["bytes"] is not None for line in study.lines):
+        axes.append((study.name + "-bytes", room, f"MB ({of})" if of else "MB"))
+    for name, cost, title in axes:
         if study.of_pictures():
             found.append((name, plot(study, cost, title, exactness(study), "PSNR against the finest, dB", False, turned=True)))
             found.append((name + "-worst", plot(study, cost, title, lambda line: (line["picture"] or {}).get("worst"),
                                                 "worst pixel, of 255", False)))
         else:
-            found.append((name, plot(study, cost, title, exactness(study), "error, RMS, mm", True)))
+            found.append((name, plot(study, cost, title, exactness(study), study.exact_title(), True)))
     return [(name, lines) for name, lines in found if lines]
 
 

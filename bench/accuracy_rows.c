@@ -121,9 +121,13 @@ static void print(const struct row *row, int runs)
 	const struct accuracy_figures *figures = &row->figures;
 	double ms = median(row->ms, runs);
 	int64_t bytes = row->of_base ? figures->base_bytes : figures->slot_bytes;
-	printf("{\"bench\": \"accuracy\", \"study\": \"%s\", \"knobs\": {%s}, \"default\": %s, "
+	printf("{\"bench\": \"accuracy\", \"study\": \"%s\", \"knobs\": {%s}, \"default\": %s, \"truth\": \"%s in doubles, posts of 1/64 m\", \"ms_runs\": [",
+	       row->study, row->knobs, row->is_default ? "true" : "false", accuracy_model_name(row->drive.model));
+	for (int run = 0; run < runs; run++)
+		printf("%s%.5g", run > 0 ? ", " : "", row->ms[run]);
+	printf("], "
 	       "\"error\": {\"max\": %.7g, \"rms\": %.7g, \"volume\": %.7g, \"volume_abs\": %.7g}, \"ms_step\": %.5g, \"ms_second\": %.5g, ",
-	       row->study, row->knobs, row->is_default ? "true" : "false", figures->error.max, figures->error.rms,
+	       figures->error.max, figures->error.rms,
 	       figures->error.volume, figures->error.volume_abs, ms, ms / figures->time_step);
 	if (!row->is_variant)
 		printf("\"p99\": %.5g, \"worst\": %.5g, \"store_bytes\": %lld, ", median(row->p99, runs),

@@ -4,7 +4,7 @@
 
 #include "accuracy.h"
 
-enum { ACCURACY_RUNS = 7, ACCURACY_ROWS = 64, ACCURACY_SETTINGS = 4, ACCURACY_PASSES = 5 };
+enum { ACCURACY_RUNS = 5, ACCURACY_ROWS = 64, ACCURACY_SETTINGS = 4, ACCURACY_PASSES = 5 };
 
 struct row {
 	const char *study;

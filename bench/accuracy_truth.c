@@ -321,19 +321,19 @@ static void save(const struct accuracy_truth *truth, const char *path)
 		bench_must(fail_with(STATUS_FAILED, "%s: cannot be written; name another file", path));
 }
 
-void accuracy_truth_open(struct accuracy_truth *truth, const char *path, enum deform_model only)
+void accuracy_truth_open(struct accuracy_truth *truth, const char *path, unsigned wanted)
 {
 	*truth = (struct accuracy_truth){{NULL}};
 	if (!(accuracy_steepest() < tan(params_of(DEFORM_SLIPPAGE).soils[0].friction_angle)))
 		bench_must(fail_with(STATUS_FAILED, "bench: undisturbed ground would slide; make it less steep"));
 	for (size_t m = 0; m < MODELS; m++) {
-		if (only != DEFORM_MODELS && only != models[m])
+		if ((wanted >> models[m] & 1) == 0)
 			continue;
 		truth->surfaces[models[m]] = mem_alloc(field_posts(), sizeof(double));
 		if (truth->surfaces[models[m]] == NULL)
 			bench_must(fail_memory("bench"));
 	}
-	const bool keeps = path != NULL && only == DEFORM_MODELS;
+	const bool keeps = path != NULL && wanted == ACCURACY_EVERY;
 	if (keeps && load(truth, path))
 		return;
 	make(truth);

@@ -34,6 +34,7 @@ class Lane:
     start: tuple | None = None            # m; chosen where it is not given
     grousers: int = 0
     grouser_height: float = 0.0
+    more: str = ""                        # further keys of its wheel
     yaw: float = 0.0                      # degrees from the way to the wheel's plane, to the left; without `height` slip counts the whole way
     pitch: float = 0.0                    # degrees that its nose is up; without `height` alone
     height: float | None = None           # m of the axle, instead of load and sink
@@ -111,6 +112,7 @@ def scene_text(lanes, spacing, soil, redistribute, folder):
     for lane in lanes:
         bars = f", grousers: {lane.grousers}, grouser_height: {lane.grouser_height!r}" if lane.grousers else ""
         carried = "" if lane.height is not None else f"load: {lane.load!r}, " if lane.load is not None else f"sink: {lane.sink!r}, "
+        bars += f", {lane.more}" if lane.more else ""
         shape = lane.shape or f"wheel: {{radius: {lane.radius!r}, width: {lane.width!r}{bars}}}"
         slips = "" if lane.shape else f"slip: {lane.slip!r}, "
         if lane.height is None and (lane.yaw or lane.pitch):

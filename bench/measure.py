@@ -78,7 +78,7 @@ def steps(options):
         Step("measured_wheel", [], [python, bench / "measured_wheel.py", furrow, "--rig", options.rig], ["rig"]),
         Step("converge", [], [python, bench / "converge.py", furrow]),
         Step("ablation", [], [python, bench / "ablation.py", "--build", options.build, "-o", options.build / "bench-out"]),
-        Step("accuracy", ["bench/bench_accuracy"], [python, bench / "accuracy.py", "--build", options.build, "-o", options.build / "bench-out",
+        Step("accuracy", ["bench/bench_accuracy", "bench/bench_picture_error"], [python, bench / "accuracy.py", "--build", options.build, "-o", options.build / "bench-out",
                                                              "--publish"]),
         Step("accuracy_sheet", ["bench/bench_accuracy"], [python, bench / "accuracy.py", "--build", options.build, "-o", options.build / "bench-out",
                                                                    "--sheet", "--publish"]),

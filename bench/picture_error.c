@@ -5,13 +5,16 @@
  * The true picture allows a millionth of a pixel: then every tile with any relief in it is drawn at its finest
  * level, and each of its posts is a vertex. (The lines of it are checked for that: no draw above level 0.) "psnr" is over
  * all cameras' pixels together, red, green and blue; "worst" the largest difference of one of those. "bytes" are
- * what the tiles that the pictures need take in slots, "ms_step" a frame drawn to its end, the median over cameras
- * and repetitions.
+ * what the tiles that the pictures need take in slots, "ms_step" a frame drawn to its end: the mean over the cameras, of
+ * which "ms_runs" has each run and "ms_step" the median. Settings take turns.
+ *
+ * The second study, samples, turns view.samples by the radii. Its true picture has SHARP x SHARP pixels with MOST_SAMPLES samples each in place of one,
+ * whose mean is taken in linear light.
  *
  * The ground between posts of the source is smooth, so the true picture needs most tiles of the working level that the camera sees. Tiles
  * of the default size are few enough for that.
  *
- * bench_picture_error [--quick | --png FOLDER]. --quick: two settings, once each. --png: also writes each picture.
+ * bench_picture_error [--quick | --png FOLDER]. --quick: two settings of each study, two runs. --png: also writes each picture.
  */
 #include <math.h>
 #include <stdio.h>
@@ -28,7 +31,9 @@
 #define PIXELS ((size_t)WIDTH * HEIGHT)
 #define SLOTS 1024
 #define CELLS 256
-#define REPEATS 9
+#define REPEATS 5
+#define SHARP 3
+#define MOST_SAMPLES 4 /* that llvmpipe draws */
 #define TRUTH 1e-6
 #define DARK 64 /* of 255: pictures whose mean red, green and blue is lower are dark */
 
@@ -46,7 +51,17 @@ static const struct {
 };
 #define CAMERAS (sizeof cameras / sizeof *cameras)
 
-static const double pixel_errors[] = {0, 0.25, 0.5, 1, 2, 4, 8, 16}; /* 0: by the radii */
+/* pixel_error 0: by the radii. A study's settings follow each other. */
+static const struct setting {
+	double pixel_error;
+	int samples;
+	bool of_samples, in_quick;
+} settings[] = {
+	{0, 1, false, true},  {0.25, 1, false, false}, {0.5, 1, false, false}, {1, 1, false, false},
+	{2, 1, false, false}, {4, 1, false, true},     {8, 1, false, false},   {16, 1, false, false},
+	{0, 1, true, true},   {0, 2, true, false},     {0, MOST_SAMPLES, true, true},
+};
+#define SETTINGS (sizeof settings / sizeof *settings)
 
 struct rig {
 	struct world *world;
@@ -148,8 +163,7 @@ static void place(struct rig *rig, size_t camera)
 }
 
 struct figures {
-	double ms[CAMERAS * REPEATS];
-	size_t timed;
+	double ms[REPEATS]; /* mean over the cameras */
 	double triangles, tiles, bytes; /* a frame */
 	size_t deformed;                /* tiles with ruts, of all frames */
 };
@@ -166,23 +180,26 @@ static double slot_bytes(const struct rig *rig, size_t *deformed)
 	return bytes;
 }
 
-/* Every camera's picture, into pixels[camera]. */
-static void draw(struct rig *rig, double pixel_error, int repeats, const char *folder, uint8_t *pixels, struct figures *figures)
+/* Every camera's picture, into pixels[camera], and its time into ms[run] unless it is a truth. sharp: so many pixels each way in place of one. */
+static void draw(struct rig *rig, const struct setting *setting, int run, int sharp, const char *folder, uint8_t *pixels, struct figures *figures)
 {
-	const bool truth = pixel_error == TRUTH;
-	*figures = (struct figures){.tiles = 0};
-	rig->scene.view.pixel_error = pixel_error;
+	const bool truth = setting->pixel_error == TRUTH, timed = !truth && sharp == 1;
+	rig->scene.view.pixel_error = setting->pixel_error;
+	rig->scene.view.samples = setting->samples;
+	rig->scene.view.width = WIDTH * sharp;
+	rig->scene.view.height = HEIGHT * sharp;
 	bench_must(render_view_create(rig->world, false, &rig->view));
 	struct view *view = rig->view;
+	figures->ms[run] = figures->triangles = figures->tiles = figures->bytes = 0;
 	for (size_t i = 0; i < CAMERAS; i++) {
 		place(rig, i);
 		bench_must(render_view_warm(view));
 		gpu_finish(rig->made.resident.gpu);
-		for (int k = 0; k < repeats; k++) {
+		if (timed) {
 			double began = clock_seconds();
 			bench_must(render_view_frame(view, NULL, false));
 			gpu_finish(rig->made.resident.gpu);
-			figures->ms[figures->timed++] = (clock_seconds() - began) * 1e3;
+			figures->ms[run] += (clock_seconds() - began) * 1e3 / CAMERAS;
 		}
 		const struct render_selection *selection = view->selection;
 		if (view->coarse || selection->wanted_count > 0)
@@ -192,18 +209,46 @@ static void draw(struct rig *rig, double pixel_error, int repeats, const char *f
 			if (selection->draws[k].tile.level > 0)
 				bench_must(fail_with(STATUS_FAILED, "%s: a true picture with a coarse tile; look at its error",
 						     cameras[i].name));
-		gpu_texture_read(view->render->screen->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels + i * PIXELS * 4);
+		gpu_texture_read(view->render->screen->colour, 0, (struct gpu_rect){0, 0, WIDTH * sharp, HEIGHT * sharp},
+				 pixels + i * PIXELS * 4 * (size_t)(sharp * sharp));
 		figures->triangles += (double)render_triangles(view->render) / CAMERAS;
 		figures->tiles += (double)selection->draw_count / CAMERAS;
 		figures->bytes += slot_bytes(rig, &figures->deformed) / CAMERAS;
-		if (folder != NULL) {
+		if (folder != NULL && run == 0) {
 			char path[4096];
-			snprintf(path, sizeof path, "%s/%s-%g.png", folder, cameras[i].name, pixel_error);
+			snprintf(path, sizeof path, "%s/%s-%g-%d.png", folder, cameras[i].name, setting->pixel_error, setting->samples);
 			bench_must(render_write_png(view->render, path));
 		}
 	}
 	render_view_destroy(view);
 	rig->view = NULL;
+}
+
+static double linear(uint8_t code)
+{
+	double share = code / 255.0;
+	return share <= 0.04045 ? share / 12.92 : pow((share + 0.055) / 1.055, 2.4);
+}
+
+static uint8_t coded(double light)
+{
+	return (uint8_t)lround(255 * (light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055));
+}
+
+/* The mean of SHARP x SHARP pixels, in linear light. */
+static void shrink(const uint8_t *sharp, uint8_t *pixels)
+{
+	double light[256];
+	for (int code = 0; code < 256; code++)
+		light[code] = linear((uint8_t)code);
+	for (size_t i = 0; i < CAMERAS * HEIGHT; i++)
+		for (size_t x = 0; x < WIDTH; x++)
+			for (size_t channel = 0; channel < 4; channel++) {
+				double sum = 0;
+				for (size_t k = 0; k < SHARP * SHARP; k++)
+					sum += light[sharp[(((i * SHARP + k / SHARP) * WIDTH + x) * SHARP + k % SHARP) * 4 + channel]];
+				pixels[(i * WIDTH + x) * 4 + channel] = coded(sum / (SHARP * SHARP));
+			}
 }
 
 /* Returns the sum of red, green and blue over all cameras' pixels. */
@@ -215,24 +260,29 @@ static double sum_of(const uint8_t *pixels)
 	return sum;
 }
 
-static void print(const struct rig *rig, double pixel_error, const uint8_t *truth, const uint8_t *pixels, struct figures *figures)
+static void print(const struct rig *rig, const struct setting *setting, const uint8_t *truth, const uint8_t *pixels, struct figures *figures, int runs)
 {
 	double sum = 0;
 	int worst = 0;
-	char knob[32] = "null";
+	char knob[64] = "\"pixel_error\": null";
 	for (size_t i = 0; i < 4 * PIXELS * CAMERAS; i++) {
 		int apart = abs(truth[i] - pixels[i]); /* alpha is 255 in both */
 		sum += apart * apart;
 		worst = apart > worst ? apart : worst;
 	}
 	double psnr = 10 * log10(255.0 * 255 / (sum / (3.0 * PIXELS * CAMERAS)));
-	if (pixel_error > 0)
-		snprintf(knob, sizeof knob, "%g", pixel_error);
-	printf("{\"bench\": \"accuracy\", \"study\": \"pixel_error\", \"knobs\": {\"pixel_error\": %s}, \"default\": %s, "
-	       "\"picture\": {\"psnr\": %.2f, \"worst\": %d}, \"ms_step\": %.3f, \"bytes\": %.0f, \"triangles\": %.0f, \"tiles\": %.1f, "
-	       "\"gl\": \"%s\"}\n",
-	       knob, pixel_error > 0 ? "false" : "true", psnr, worst, bench_median(figures->ms, figures->timed), figures->bytes,
-	       figures->triangles, figures->tiles, gpu_info(rig->made.resident.gpu)->renderer);
+	if (setting->of_samples)
+		snprintf(knob, sizeof knob, "\"samples\": %d", setting->samples);
+	else if (setting->pixel_error > 0)
+		snprintf(knob, sizeof knob, "\"pixel_error\": %g", setting->pixel_error);
+	printf("{\"bench\": \"accuracy\", \"study\": \"%s\", \"knobs\": {%s}, \"default\": %s, \"truth\": \"%s\", "
+	       "\"picture\": {\"psnr\": %.2f, \"worst\": %d}, \"ms_runs\": [",
+	       setting->of_samples ? "samples" : "pixel_error", knob, setting->pixel_error == 0 && setting->samples == 1 ? "true" : "false",
+	       setting->of_samples ? "9 pixels of 4 samples in place of one" : "every post a vertex", psnr, worst);
+	for (int run = 0; run < runs; run++)
+		printf("%s%.3f", run > 0 ? ", " : "", figures->ms[run]);
+	printf("], \"ms_step\": %.4f, \"bytes\": %.0f, \"triangles\": %.0f, \"tiles\": %.1f, \"gl\": \"%s\"}\n",
+	       bench_median(figures->ms, (size_t)runs), figures->bytes, figures->triangles, figures->tiles, gpu_info(rig->made.resident.gpu)->renderer);
 	fflush(stdout);
 }
 
@@ -254,22 +304,29 @@ int main(int argc, char **argv)
 	make_ruts(store);
 	struct rig rig;
 	open_rig(&rig, store);
-	uint8_t *truth = mem_alloc(CAMERAS * PIXELS, 4), *pixels = mem_alloc(CAMERAS * PIXELS, 4);
-	if (truth == NULL || pixels == NULL)
+	const int runs = quick ? 2 : REPEATS;
+	uint8_t *truth = mem_alloc(CAMERAS * PIXELS, 4), *smooth = mem_alloc(CAMERAS * PIXELS, 4), *sharp = mem_alloc(CAMERAS * PIXELS * SHARP * SHARP, 4);
+	uint8_t *pixels = mem_alloc(CAMERAS * PIXELS * SETTINGS, 4); /* of each setting */
+	if (truth == NULL || pixels == NULL || smooth == NULL || sharp == NULL)
 		bench_must(fail_memory("the pictures"));
-	struct figures figures;
-	draw(&rig, TRUTH, 0, folder, truth, &figures);
-	if (figures.deformed == 0)
+	static struct figures figures[SETTINGS], unused;
+	draw(&rig, &(struct setting){.pixel_error = TRUTH, .samples = 1}, 0, 1, folder, truth, &unused);
+	if (unused.deformed == 0)
 		bench_must(fail_with(STATUS_FAILED, "no picture has a rut; look at the planes of the slots"));
 	if (sum_of(truth) < DARK * 3.0 * PIXELS * CAMERAS)
 		bench_must(fail_with(STATUS_FAILED, "the true pictures are dark; look at the light"));
-	for (size_t i = 0; i < sizeof pixel_errors / sizeof *pixel_errors; i++) {
-		if (quick && pixel_errors[i] != 0 && pixel_errors[i] != 4)
-			continue;
-		draw(&rig, pixel_errors[i], quick ? 1 : REPEATS, folder, pixels, &figures);
-		print(&rig, pixel_errors[i], truth, pixels, &figures);
-	}
+	draw(&rig, &(struct setting){.samples = MOST_SAMPLES}, 0, SHARP, NULL, sharp, &unused);
+	shrink(sharp, smooth);
+	for (int run = 0; run < runs; run++)
+		for (size_t i = 0; i < SETTINGS; i++)
+			if (!quick || settings[i].in_quick)
+				draw(&rig, &settings[i], run, 1, folder, pixels + i * CAMERAS * PIXELS * 4, &figures[i]);
+	for (size_t i = 0; i < SETTINGS; i++)
+		if (!quick || settings[i].in_quick)
+			print(&rig, &settings[i], settings[i].of_samples ? smooth : truth, pixels + i * CAMERAS * PIXELS * 4, &figures[i], runs);
 	mem_free(truth);
+	mem_free(smooth);
+	mem_free(sharp);
 	mem_free(pixels);
 	close_rig(&rig);
 	return 0;

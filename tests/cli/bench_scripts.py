@@ -17,6 +17,8 @@ import xml.etree.ElementTree
 BENCH = pathlib.Path(__file__).resolve().parents[2] / "bench"
 sys.path.insert(0, str(BENCH))
 import ablation  # noqa: E402
+import accuracy  # noqa: E402
+import accuracy_knobs  # noqa: E402
 import accuracy_plots  # noqa: E402
 import accuracy_study  # noqa: E402
 import converge  # noqa: E402
@@ -32,7 +34,7 @@ from furrow_test import FURROW, long  # noqa: E402
 
 def line(study, knobs, ms, rms=None, default=False, count=1000, picture=None):
     made = {"bench": "accuracy", "study": study, "knobs": knobs, "default": default, "ms_step": ms, "bytes": count,
-            "bytes_of": "slots", "gl": "a renderer"}
+            "bytes_of": "slots", "gl": "a renderer", "ms_runs": [ms * share for share in (1, 0.99, 1.01, 0.98, 1.02)]}
     if rms is not None:
         made["error"] = {"max": 3 * rms, "rms": rms, "volume": rms / 2}
     if picture:
@@ -53,9 +55,17 @@ LINES += [line("time_step", {"time_step": n}, 0.1 * n, 0.01) | {"ms_second": 7.0
 LINES += [line("pixel_error", {"pixel_error": n}, 20 / n, default=n == 1, picture=(None, 0) if n == 0.5 else (50 / n, 20 * n)) for n in (0.5, 1, 4)]
 
 
+LINES += [line("force", {"body": body, "spacing": n}, 1 / n) | {"truth": f"{body} at 1 mm", "cost": "ms a metre", "bytes": None, "off": {"what": "drawbar off, %", "value": worse * n, "floor": 0.5}}
+          for body, worse in (("wheel", 10), ("blade", 90)) for n in (0.08, 0.02, 0.01)]
+LINES += [line("force_soft", {"program": name, "spacing": n}, 1 / n) | {"truth": f"{name}'s own", "cost": "ms a metre", "bytes": None, "off": {"what": "drawbar off, %", "value": n, "floor": 0}} | more
+          for name, more in (("Furrow", {}), ("Chrono", {"ms_runs": [], "source": "words"})) for n in (0.08, 0.02)]
+# In the order of the tables, as plots are named.
+NAMES = ["spacing", "settled", "offset_format", "time_step", "import_error", "durability", "pairs_spacing_iterations", "pairs_spacing_interval", "pixel_error", "force", "force_soft"]
+
+
 def beaten(point, points):
-    """As the words say it."""
-    return any(all(a <= b for a, b in zip(other, point)) and other != point for other in points)
+    """As the words say it: by a more exact one that took less in one of its runs than this one in any; by one as exact that took less in all."""
+    return any(other[3] < point[3] and not point[2] < other[0] or other[3] == point[3] and other[2] < point[0] for other in points)
 
 
 class Ablation(unittest.TestCase):
@@ -72,15 +82,24 @@ class Front(unittest.TestCase):
     def test_is_what_no_other_beats(self):
         chance = random.Random(1)
         for _ in range(300):
-            points = [(chance.randrange(6), chance.randrange(6)) for _ in range(chance.randrange(9))]
-            wanted = sorted(point for point in points if not beaten(point, points))
+            points = []
+            for _ in range(chance.randrange(9)):
+                least = chance.randrange(6)
+                points.append((least, least + 0.5, least + chance.randrange(1, 4), chance.randrange(6)))
+            wanted = [i for i, point in enumerate(points) if not beaten(point, points)]
             self.assertEqual(accuracy_study.front(points), wanted, points)
 
+    def test_a_gap_within_the_spread_counts_for_nothing(self):
+        quick, slow = (1, 1, 1, 2), (2, 2, 2, 1)
+        self.assertEqual(accuracy_study.front([quick, slow]), [0, 1])
+        self.assertEqual(accuracy_study.front([(1, 1, 2, 2), slow]), [1])
+        self.assertEqual(accuracy_study.front([quick, (1, 2, 3, 1)]), [1])
+
     def test_of_equals_keeps_all_and_of_ties_the_better(self):
-        self.assertEqual(accuracy_study.front([(1, 2), (1, 2), (1, 3), (2, 2)]), [(1, 2), (1, 2)])
+        self.assertEqual(accuracy_study.front([(1, 1, 1, 2), (1, 1, 1, 2), (1, 1, 1, 3), (2, 2, 2, 2)]), [0, 1])
 
     def test_leaves_out_what_is_not_known(self):
-        self.assertEqual(accuracy_study.front([(1, None), (float("nan"), 0), (3, 4)]), [(3, 4)])
+        self.assertEqual(accuracy_study.front([(1, 1, 1, None), (float("nan"), 1, 1, 0), (None, 1, None, 0), (3, 3, 3, 4)]), [3])
         self.assertEqual(accuracy_study.front([]), [])
 
 
@@ -90,8 +109,31 @@ class Studies(unittest.TestCase):
         self.found = {study.name: study for study in accuracy_study.studies(self.lines)}
 
     def test_pairs_are_parted_by_their_knobs(self):
-        self.assertEqual(list(self.found), ["spacing", "settled", "offset_format", "time_step", "import_error", "durability", "pairs_spacing_iterations",
-                                            "pairs_spacing_interval", "pixel_error"])
+        self.assertEqual(list(self.found), NAMES)
+
+    def test_points_of_different_truths_are_not_compared(self):
+        for name in ("spacing", "force"):
+            study = self.found[name]
+            for against in study.truths():
+                own = [one for one in study.lines if accuracy_study.truth(one) == against]
+                alone = accuracy_study.Study(name, own)
+                on = accuracy_study.best(study, study.range_of_cost, accuracy_study.exactness(study))
+                self.assertEqual([id(one) in on for one in own],
+                                 [id(one) in accuracy_study.best(alone, alone.range_of_cost, accuracy_study.exactness(alone)) for one in own])
+        one = self.lines[0]
+        with self.assertRaisesRegex(pages.Told, "cannot be compared"):
+            accuracy_study.studies([one | {"truth": "a"}, one | {"truth": "b"}])
+
+    def test_less_than_the_truth_knows_is_no_better(self):
+        head, rows = accuracy_study.rows(self.found["force"])
+        self.assertEqual([row[head.index("drawbar off, %")] for row in rows], ["0.800", "at most 0.500", "at most 0.500", "7.20", "1.80", "0.900"])
+        self.assertEqual([row[-1] for row in rows], ["●", "●", "", "●", "●", "●"])
+        self.assertNotIn("bytes", head)
+        self.assertEqual(rows[0][head.index("runs")], "5: 12.2 to 12.8")
+
+    def test_a_time_without_runs_is_on_no_front(self):
+        head, rows = accuracy_study.rows(self.found["force_soft"])
+        self.assertEqual([(row[head.index("runs")], row[-1]) for row in rows], [("5: 12.2 to 12.8", "●"), ("5: 49.0 to 51.0", "●"), ("elsewhere", ""), ("elsewhere", "")])
 
     def test_a_model_is_compared_with_itself_only(self):
         head, rows = accuracy_study.rows(self.found["spacing"])
@@ -112,7 +154,7 @@ class Studies(unittest.TestCase):
         self.assertEqual([row[-1] for row in rows], ["●"] * 3)
 
     def test_values_read_as_people_write_them(self):
-        for knob, said, text in (("spacing", 0.0625, "1/16 m"), ("spacing", 1, "1 m"), ("spacing", 0.3, "0.3 m"), ("import_error", 0.1, "10 cm"),
+        for knob, said, text in (("spacing", 0.0625, "1/16 m"), ("spacing", 1, "1 m"), ("spacing", 0.3, "30 cm"), ("spacing", 0.04, "4 cm"), ("spacing", 0.005, "5 mm"), ("import_error", 0.1, "10 cm"),
                                  ("import_error", 0.001, "1 mm"), ("import_error", 0, "0"), ("time_step", 0.02, "20 ms"),
                                  ("pixel_error", 2, "2 px"), ("pixel_error", None, "by radii"), ("iterations", 4, "4"), ("offset_format", "R16F", "R16F")):
             self.assertEqual(accuracy_study.value(knob, said), text)
@@ -130,9 +172,62 @@ class Studies(unittest.TestCase):
 
     def test_lines_that_are_none_are_told(self):
         self.assertIsNone(accuracy_study.parse('{"bench": "deform"}', "here"))
-        for bad in ("{", '{"bench": "accuracy"}', json.dumps(LINES[0] | {"ms_step": "fast"}), json.dumps(LINES[0] | {"knobs": []})):
+        for bad in ("{", '{"bench": "accuracy"}', json.dumps(LINES[0] | {"ms_step": "fast"}), json.dumps(LINES[0] | {"knobs": []}), json.dumps(LINES[0] | {"ms_runs": [1, None]}),
+                    json.dumps(LINES[0] | {"ms_runs": [9000]}), json.dumps(LINES[0] | {"off": {"what": "it"}})):
             with self.assertRaisesRegex(pages.Told, "^here: .*; "):
                 accuracy_study.parse(bad, "here")
+
+
+class Knobs(unittest.TestCase):
+    """Studies that the command measures."""
+
+    def measured(self, *names):
+        with tempfile.TemporaryDirectory() as folder:
+            return [accuracy_study.parse(json.dumps(one), "here") for one in accuracy_knobs.measured(FURROW, folder, 2, True, lambda *_: None, names)]
+
+    def test_settings_take_turns_and_must_say_the_same_again(self):
+        said = []
+
+        def setting(name, results):
+            return accuracy_knobs.Setting({"it": name}, False, lambda: (said.append(name), (results.pop(0), 1.0, None))[1])
+        found = accuracy_knobs.in_turn([setting("a", [1, 1, 1]), setting("b", [2, 2, 2])], 3, lambda _: None)
+        self.assertEqual((said, found), (["a", "b"] * 3, [(1, [1.0] * 3, None), (2, [1.0] * 3, None)]))
+        with self.assertRaisesRegex(pages.Told, "another result"):
+            accuracy_knobs.in_turn([setting("a", [1, 3])], 2, lambda _: None)
+
+    def test_balls_are_closed_round_and_turned_outwards(self):
+        for triangles in (20, 80, 320):
+            corners, faces = accuracy_knobs.sphere(triangles, 2)
+            self.assertEqual(len({(a, b) for face in faces for a, b in zip(face, face[1:] + face[:1])}), 3 * triangles)
+            self.assertTrue(all(abs(sum(n * n for n in corner) - 4) < 1e-9 for corner in corners))
+            volume = 0
+            for a, b, c in ([corners[i] for i in face] for face in faces):
+                volume += (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])) / 6
+            self.assertTrue(0.6 * 33.5 < volume < 33.51, volume)
+        with self.assertRaisesRegex(pages.Told, "not 100"):
+            accuracy_knobs.sphere(100, 1)
+
+    def test_figures_of_chrono_are_against_a_truth_of_their_own(self):
+        found = list(accuracy_knobs.chrono())
+        self.assertEqual([one["ms_step"] for one in found], [856, 3550, 13861, 20, 158, 1388])
+        self.assertEqual([round(one["off"]["value"], 2) for one in found if "off" in one], [0.76, 0.56])
+        self.assertTrue(all("Chrono" in one["truth"] and one["source"] and not one["ms_runs"] for one in found))
+
+    def test_more_triangles_are_nearer_to_the_finest_mesh(self):
+        found = {one["knobs"]["triangles"]: one["off"] for one in self.measured("mesh_triangles")}
+        self.assertEqual(list(found), [80, 320])
+        self.assertLess(found[320]["value"], found[80]["value"])
+
+    @long
+    def test_each_study_has_finite_errors_and_the_spread_of_its_runs(self):
+        found = self.measured(*accuracy_knobs.STUDIES)
+        self.assertEqual(list(dict.fromkeys(one["study"] for one in found)), list(accuracy_knobs.STUDIES))
+        for one in found:
+            self.assertEqual(len(one["ms_runs"]), 0 if "source" in one else 2)
+            self.assertTrue(one["off"] is None or 0 <= one["off"]["value"] < 500, one)
+        force = {(one["knobs"]["body"], one["knobs"]["spacing"]): one["off"]["value"] for one in found if one["study"] == "force"}
+        for body in accuracy_knobs.BODIES:
+            self.assertLess(force[body, 0.02], force[body, 0.08], body)
 
 
 class Labels(unittest.TestCase):
@@ -266,17 +361,19 @@ class Script(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(done.stderr, "")
         names = {"spacing", "spacing-bytes", "offset_format", "durability", "pairs_spacing_iterations", "pairs_spacing_iterations-bytes",
-                 "pairs_spacing_interval", "pairs_spacing_interval-bytes", "pixel_error", "pixel_error-worst"}
+                 "pairs_spacing_interval", "pairs_spacing_interval-bytes", "pixel_error", "pixel_error-worst", "force", "force_soft"}
         made = self.written()
         self.assertLessEqual({f"{name}.{kind}" for name in names for kind in ("svg", "png", "gnuplot")}, made)
         self.assertFalse([name for name in made if name.endswith(".part")])
         for name in made:
             self.assertGreater((self.out / name).stat().st_size, 100, name)
         texts = "|".join(xml.etree.ElementTree.parse(self.out / "spacing.svg").getroot().itertext())
-        for text in ("default: scm, 1/4 m", "1/16 m", "scm", "Pareto front of all", "error, RMS, mm  (beside the points: spacing)", "ms a step"):
+        for text in ("default: scm, 1/4 m", "1/16 m", "scm", "error, RMS, mm  (beside the points: spacing)", "ms a step"):
             self.assertIn(text, texts)
+        self.assertNotIn("front", texts)  # one of all models would be of different truths
+        self.assertFalse((self.out / "force-bytes.svg").exists())
         texts = "|".join(xml.etree.ElementTree.parse(self.out / "offset_format.svg").getroot().itertext())
-        for text in ("default: R32I", "exact", "R16F"):
+        for text in ("Pareto front", "default: R32I", "exact", "R16F"):
             self.assertIn(text, texts)
         self.assertEqual(len((self.out / "accuracy.jsonl").read_text().splitlines()), len(LINES))
         again = self.accuracy("--from", self.out / "accuracy.jsonl")
@@ -288,21 +385,25 @@ class Script(unittest.TestCase):
         shutil.copytree(BENCH, root / "bench", ignore=lambda *_: ["__pycache__"])
         (root / "docs").mkdir()
         shutil.copy(BENCH.parent / "docs" / "BENCHMARKS.md", root / "docs")
+        shutil.copy(BENCH.parent / "README.md", root)
         command = [sys.executable, str(root / "bench" / "accuracy.py"), "-o", str(self.out), "--publish", "--from"]
         for _ in range(2):  # what was published is published over
             done = subprocess.run([*command, str(self.folder / "lines")], capture_output=True, text=True, timeout=120)
             self.assertEqual(done.returncode, 0, done.stderr)
-        for page, row in (("docs/BENCHMARKS.md", "**5.00 / 0.400**"), ("bench/ACCURACY.md", "### Format of the offset")):
+        for page, row in (("README.md", "(docs/accuracy-force.svg)"), ("docs/BENCHMARKS.md", "**5.00 / 0.400**"), ("bench/ACCURACY.md", "### Format of the offset")):
             text = (root / page).read_text()
             self.assertEqual(text.count(row), 1)
             self.assertNotIn("accuracy.py -o bench-out --publish` writes", text)
             shown = re.findall(r"!\[[^\]]*\]\((\S*accuracy-\S*)\)", text)
-            self.assertEqual(len(shown), 1 if page == "docs/BENCHMARKS.md" else 5)
+            self.assertEqual(len(shown), len(accuracy.PUBLISHED) if page == "bench/ACCURACY.md" else 1)
             for name in shown:
                 self.assertTrue((root / page).parent.joinpath(name).exists(), name)
-        (self.folder / "lines").write_text(json.dumps(LINES[0]) + "\n")
-        done = subprocess.run([*command, str(self.folder / "lines")], capture_output=True, text=True, timeout=120)
-        self.assertEqual(done.returncode, 1)
+        few = LINES[0] | {"ms_runs": [LINES[0]["ms_step"]]}
+        for lines, said in (([LINES[0]], "not drawn"), ([few, *LINES[1:]], "1 runs; 5 are published")):
+            (self.folder / "lines").write_text("".join(json.dumps(one) + "\n" for one in lines))
+            done = subprocess.run([*command, str(self.folder / "lines")], capture_output=True, text=True, timeout=120)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(said, done.stderr)
 
     def test_without_gnuplot_says_which_package_and_keeps_lines_and_table(self):
         done = self.accuracy("--from", self.folder / "lines", path="/nonexistent")
@@ -327,14 +428,17 @@ class Script(unittest.TestCase):
             path = self.folder / "bench" / name
             path.write_text("#!/bin/sh\n" + text)
             path.chmod(0o755)
+        (self.folder / "tools").mkdir()
+        (self.folder / "tools" / "furrow").write_text("#!/bin/sh\necho it fails >&2; exit 1\n")
+        (self.folder / "tools" / "furrow").chmod(0o755)
 
-    def test_runs_both_programs(self):
+    def test_runs_both_programs_and_the_command(self):
         said = "echo 'spacing {\"spacing\": 1}' >&2; echo 'furrow: note: of a scene' >&2; echo 'bench: it warns' >&2\n"
         self.programs(*(f"{said}grep {'-v ' * invert}pixel_error {self.folder / 'lines'}\n" for invert in (1, 0)))
         done = self.accuracy("--build", self.folder)
-        self.assertEqual([text for text in done.stderr.splitlines() if "gnuplot" not in text], ["bench: it warns"] * 2)
-        self.assertIn(done.returncode, (0, 1))  # 1: no gnuplot
-        self.assertEqual(len((self.out / "accuracy.jsonl").read_text().splitlines()), len(LINES))
+        self.assertEqual([text for text in done.stderr.splitlines() if "gnuplot" not in text], ["bench: it warns"] * 2 + ["accuracy.py: force: it fails"])
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(len((self.out / "accuracy.jsonl.part").read_text().splitlines()), len(LINES))
 
     @long
     def test_pictures_are_more_like_the_true_one_at_a_smaller_error(self):
@@ -343,8 +447,10 @@ class Script(unittest.TestCase):
             self.skipTest(f"no {program}: this build has no benches")
         done = subprocess.run([program, "--quick"], capture_output=True, text=True, timeout=600)
         self.assertEqual(done.returncode, 0, done.stderr)
-        by_radii, by_error = map(json.loads, done.stdout.splitlines())
+        by_radii, by_error, one, four = map(json.loads, done.stdout.splitlines())
         self.assertEqual((by_radii["knobs"], by_error["knobs"]), ({"pixel_error": None}, {"pixel_error": 4}))
+        self.assertEqual((one["knobs"], four["knobs"]), ({"samples": 1}, {"samples": 4}))
+        self.assertLess(one["picture"]["psnr"], four["picture"]["psnr"])
         self.assertLess(by_radii["picture"]["psnr"], by_error["picture"]["psnr"])
         self.assertLess(by_error["picture"]["psnr"], 60)
 
