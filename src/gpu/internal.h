@@ -176,7 +176,7 @@ void gpu_list_bind(const struct gpu_list *list, uint32_t binding);
 void gpu_target_bind(struct gpu *gpu, const struct gpu_target *target);
 
 /* --- gpu_shader.c: joins a shader's text from its files --- */
-#define GPU_SHADER_FILES 16
+#define GPU_SHADER_FILES 32
 struct gpu_shader {
 	char *text; /* freed with mem_free */
 	size_t length, capacity;
