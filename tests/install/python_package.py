@@ -493,7 +493,7 @@ class PythonPackageTest(unittest.TestCase):
                 for member, value in members:
                     if member.startswith("_") or member in ("args", "with_traceback", "add_note"):
                         continue
-                    function = value.fget if isinstance(value, property) else value
+                    function = value.fget if isinstance(value, property) else type(value).__call__ if inspect.ismodule(value) else value
                     assert inspect.getdoc(value), (name, member)
                     assert "return" in function.__annotations__, (name, member)
             assert "(n, 2)" in furrow.World.points.__doc__
