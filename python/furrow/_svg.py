@@ -43,14 +43,19 @@ def step(least: float) -> float:
     return power * (1 if factor <= 1 else 2 if factor <= 2 else 5 if factor <= 5 else 10)
 
 
-def steps(low: float, high: float) -> "list[float]":
-    """An axis's lines from outside `low` to outside `high`, about seven. An empty range becomes one of length 1."""
+def axis(low: float, high: float) -> "tuple[float, float, float]":
+    """An axis: its ends, rounded outward to lines, and the distance between lines, about seven of them. An empty range becomes one of length 1."""
     if not high > low:
         low = low - 0.5 if math.isfinite(low) else 0.0
         high = low + 1
     each = step((high - low) / 7)
-    first, last = math.floor(low / each + 1e-9), math.ceil(high / each - 1e-9)
-    return [i * each for i in range(first, last + 1)]
+    return math.floor(low / each + 1e-9) * each, math.ceil(high / each - 1e-9) * each, each
+
+
+def steps(low: float, high: float) -> "list[float]":
+    """An axis's lines from outside `low` to outside `high`."""
+    first, last, each = axis(low, high)
+    return [i * each for i in range(round(first / each), round(last / each) + 1)]
 
 
 def figure(width: int, height: int) -> Any:

@@ -445,7 +445,7 @@ enum status bearing_probe(struct bearing *bearing, const struct soil_motion *bef
 	TRY(open_window(bearing, reads));
 	struct soil_planes reads_of = bearing->window.planes;
 	if (before == NULL)
-		reads_of.disturbance = NULL; /* no force asks for it */
+		reads_of.disturbance = NULL; /* no force depends on it, so it is not read */
 	resident_host_gather(bearing->slots, held, count, &reads_of);
 	if (before != NULL)
 		TRY(sink_before(bearing, before, beside, beside_count));

@@ -92,7 +92,7 @@ enum status render_imagery_bring(struct render_imagery *imagery) FURROW_CHECKED;
 void render_imagery_release(struct render_imagery *imagery); /* lets them go */
 
 /* --- imagery_pages.c --- */
-/* Adds the pages that pixels of this part of the ground can show. */
+/* Adds the pages of imagery that this part of the ground is drawn with. */
 enum status render_imagery_need(const struct render_imagery *imagery, const struct imagery_area *area, struct imagery_pages *pages) FURROW_CHECKED;
 /* Drops the finest level of these pages. Returns false if there is but one level. */
 bool render_imagery_coarsen(struct imagery_pages *pages);

@@ -294,7 +294,7 @@ static enum status make_render(struct view *view, bool watched, struct render **
 	params.high = isnan(world_resident(world)->meta->high) ? 0 : world_resident(world)->meta->high;
 	params.imagery = view->imagery;
 	params.layers = watched;
-	params.effects &= watched ? ~EFFECT_BIT(EFFECT_LIGHT) : ~(uint64_t)0; /* layers are no light */
+	params.effects &= watched ? ~EFFECT_BIT(EFFECT_LIGHT) : ~(uint64_t)0; /* layers, such as heights, are drawn without light */
 	params.measures = params.measures && !watched;
 	if (watched) /* the scene's cameras draw nothing then */
 		params.truth = params.only_truth = scene_camera_truth(world_scene(world), NULL);

@@ -73,17 +73,20 @@ const struct scene_row scene_view_rows[] = {
 	 .text = "the sun that the picture is lit by"},
 	{.key = NULL},
 };
+/* How the pose of a camera or of a lidar is turned. */
+#define POSE_TURNS \
+	{NUMBER("yaw", struct raw_camera_pose, yaw), RANGE(-36000, 36000), .unit = "degrees", DEFAULT(0), .since = "0.2.0", \
+	 .text = "as of [path files](#path-files)"}, \
+	{NUMBER("pitch", struct raw_camera_pose, pitch), RANGE(-36000, 36000), .unit = "degrees", DEFAULT(0), .since = "0.2.0", \
+	 .text = "then up"}, \
+	{NUMBER("roll", struct raw_camera_pose, roll), RANGE(-36000, 36000), .unit = "degrees", DEFAULT(0), .since = "0.2.0", \
+	 .text = "then right side down"},
 static const struct scene_row camera_pose_rows[] = {
 	{NEEDED_NUMBERS("at", struct raw_camera_pose, at, 3), RANGE(-1e9, 1e9), .unit = "m", .since = "0.2.0",
 	 .text = "fixed: x, y, and height as the store has it; mounted: forward, left, up"},
 	{NUMBERS("target", struct raw_camera_pose, target, 3, 3), RANGE(-1e9, 1e9), .unit = "m", .otherwise = "yaw, pitch and roll", .since = "0.2.0",
 	 .text = "what it looks at, in the same axes"},
-	{NUMBER("yaw", struct raw_camera_pose, yaw), RANGE(-36000, 36000), .unit = "degrees", DEFAULT(0), .since = "0.2.0",
-	 .text = "as of [path files](#path-files)"},
-	{NUMBER("pitch", struct raw_camera_pose, pitch), RANGE(-36000, 36000), .unit = "degrees", DEFAULT(0), .since = "0.2.0",
-	 .text = "then up"},
-	{NUMBER("roll", struct raw_camera_pose, roll), RANGE(-36000, 36000), .unit = "degrees", DEFAULT(0), .since = "0.2.0",
-	 .text = "then right side down"},
+	POSE_TURNS
 	{.key = NULL},
 };
 const struct scene_row scene_camera_rows[] = {
@@ -130,12 +133,7 @@ static const struct scene_row lidar_pose_rows[] = {
 	 .text = "forward, left, up; else x, y, and height as the store has it"},
 	{NUMBERS("target", struct raw_camera_pose, target, 3, 3), RANGE(-1e9, 1e9), .unit = "m", .otherwise = "yaw, pitch and roll", .since = "0.2.0",
 	 .text = "where its forward looks, in the same axes"},
-	{NUMBER("yaw", struct raw_camera_pose, yaw), RANGE(-36000, 36000), .unit = "degrees", DEFAULT(0), .since = "0.2.0",
-	 .text = "as of [path files](#path-files)"},
-	{NUMBER("pitch", struct raw_camera_pose, pitch), RANGE(-36000, 36000), .unit = "degrees", DEFAULT(0), .since = "0.2.0",
-	 .text = "then up"},
-	{NUMBER("roll", struct raw_camera_pose, roll), RANGE(-36000, 36000), .unit = "degrees", DEFAULT(0), .since = "0.2.0",
-	 .text = "then right side down"},
+	POSE_TURNS
 	{.key = NULL},
 };
 const struct scene_row scene_lidar_rows[] = {

@@ -16,6 +16,8 @@ from markupsafe import Markup, escape
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
+from furrow import _svg
+
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 520, 320, 64, 12, 30, 46
 MAP_DOWN = 430         # a map has more room
 WAY_POINTS = 3000
@@ -66,22 +68,6 @@ def _numbers(values: "np.ndarray") -> "np.ndarray":
 
 
 # --- axes ---
-
-def step_of(least: float) -> float:
-    """The smallest of 1, 2 or 5 times a power of ten that is at least `least`, above 0."""
-    power = 10.0 ** math.floor(math.log10(least))
-    factor = least / power
-    return power * (1 if factor <= 1 else 2 if factor <= 2 else 5 if factor <= 5 else 10)
-
-
-def axis_of(low: float, high: float) -> "tuple[float, float, float]":
-    """The axis, rounded outward to steps, about seven of them; and the step."""
-    if not high > low:
-        low = low - 0.5 if math.isfinite(low) else 0.0
-        high = low + 1
-    step = step_of((high - low) / 7)
-    return math.floor(low / step + 1e-9) * step, math.ceil(high / step - 1e-9) * step, step
-
 
 def _part(low: float, high: float) -> "tuple[float, float]":
     """A range, wide enough for the digits of its numbers."""
@@ -138,11 +124,11 @@ class _Axes:
         if plot.ground is not None:
             for k in range(2):
                 low[k], high[k] = plot.ground[1][k], plot.ground[2][k]
-                self.step[k] = step_of((high[k] - low[k]) / 7)
+                self.step[k] = _svg.step((high[k] - low[k]) / 7)
         else:
-            low[1], high[1], self.step[1] = axis_of(low[1], high[1])
+            low[1], high[1], self.step[1] = _svg.axis(low[1], high[1])
             if not plot.logarithmic:
-                low[0], high[0], self.step[0] = axis_of(low[0], high[0])
+                low[0], high[0], self.step[0] = _svg.axis(low[0], high[0])
             elif high[0] - low[0] < 0.1:
                 self._widen(0, low[0] + 0.1, low[0] + 0.1)
         if plot.one_scale:
